@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 python3 -m venv "$fresh"
-"$fresh/bin/pip" install --quiet dist/robovec-*.whl
+"$fresh/bin/pip" install --quiet "$(echo dist/robovec-*.whl)[casadi]"
 # From another folder, so that the installed package is found.
 tests=$PWD/python/tests
 export ROBOVEC=${ROBOVEC:-$PWD/target/release/robovec}

@@ -99,7 +99,7 @@ fn expression_trees_of_every_operation() {
 }
 
 /// Random expression trees, some of them deep.
-fn trees(random: &mut Random, definitions: u32) -> Module {
+pub(crate) fn trees(random: &mut Random, definitions: u32) -> Module {
     let mut module = Module::new();
     let symbols = &mut module.tables.symbols;
     let mut function = Function::new("double", Level::Equations);

@@ -22,6 +22,7 @@ mod check;
 mod cli;
 mod clock;
 mod codegen_c;
+mod codegen_layouts;
 mod commands;
 mod composite;
 mod determinism;

@@ -1,7 +1,13 @@
 //! Code generation as a pass.
 
+mod casadi;
+
+pub use casadi::DerivativeOrder;
+
 use robovec_cgen::batch::{self, batch_files};
-use robovec_cgen::c::{self, Options, Real, Signature, SignatureError, Sines, StatementOrder};
+use robovec_cgen::c::{
+    self, ElementOrder, Layout, Options, Real, Signature, SignatureError, Sines, StatementOrder,
+};
 use robovec_cgen::fpcore::fpcore;
 use robovec_cgen::rolled::{self, RolledCircular, rolled_files};
 use robovec_fpga::rtl::{self, CrossbarChoice, RtlError, write_rtl};
@@ -28,6 +34,8 @@ option_words! {
         Batch = "batch",
         /// FPCore, for tools that bound rounding errors.
         Fpcore = "fpcore",
+        /// C for CasADi, with derivatives and sparsities.
+        Casadi = "casadi",
     }
 }
 
@@ -98,6 +106,17 @@ declare_pass! {
     /// read: one core for every output, computed in `number`, with the ranges
     /// of the scene as precondition.
     ///
+    /// `target=casadi` writes one C file with the function, its `derivatives`
+    /// and their sparsities, which `casadi.external` loads (`docs/casadi.md`).
+    /// Outputs that are named as Jacobians of others (`Qq_q` beside `Qq`) are
+    /// used as such; other derivatives are made by `differentiate`.
+    ///
+    /// With `base=0` plain C has arrays that count from 0, without gaps, in the
+    /// order of `layout`: `row`, `column`, or `packed`, which keeps the upper
+    /// triangle of symmetric outputs. With `sparse=true` elements of outputs
+    /// that are always zero are not kept either, and the header holds row and
+    /// column of all others.
+    ///
     /// The function itself is not changed.
     pub struct Codegen("codegen") {
         /// Target of the code.
@@ -120,6 +139,15 @@ declare_pass! {
         /// Operations per function in C.
         pub part: u32 = 500 => NumberLimit::whole(
             1, 1_000_000, "compile time grows faster than the length of a function"),
+        /// Index of the first element of an array in C.
+        pub base: u32 = 1 => NumberLimit::whole(
+            0, 1, "arrays count from 1, as Robotran's, or from 0"),
+        /// Order of the elements of arrays that count from 0.
+        pub layout: ElementOrder = ElementOrder::Row,
+        /// Keeps only elements of outputs that can differ from zero.
+        pub sparse: bool = false,
+        /// Derivatives in C for CasADi.
+        pub derivatives: DerivativeOrder = DerivativeOrder::Second,
         /// Method of rolled code for sines and cosines of inputs.
         pub circular: RolledCircular = RolledCircular::Vector,
     }
@@ -139,6 +167,10 @@ impl Pass for Codegen {
             function,
         };
         match self.target {
+            _ if self.base == 0 && self.target != CodegenTarget::C => {
+                let message = "only target=c has arrays that count from 0 on request";
+                return Err(PassError::new(message).help("leave out base=0"));
+            }
             CodegenTarget::Mif => {
                 write_images(view, context.machine, None, context.artifacts).map_err(explain)?;
             }
@@ -153,7 +185,8 @@ impl Pass for Codegen {
             CodegenTarget::C
             | CodegenTarget::Rolled
             | CodegenTarget::Batch
-            | CodegenTarget::Fpcore => {
+            | CodegenTarget::Fpcore
+            | CodegenTarget::Casadi => {
                 let own = match self.number {
                     Real::Double => Format::BINARY64,
                     Real::Float => Format::BINARY32,
@@ -192,7 +225,25 @@ impl Pass for Codegen {
                         })?;
                         vec![(name, text)]
                     }
-                    _ => c::files(view, &self.options()).map_err(refuse)?.into(),
+                    CodegenTarget::Casadi => {
+                        let options = self.casadi_options()?;
+                        let file = casadi::file(function, self.derivatives, &options, context)?;
+                        vec![(file.name, file.text)]
+                    }
+                    _ => {
+                        let kept;
+                        let view = match self.sparse {
+                            true => {
+                                kept = c::layout::without_zeros(function.clone());
+                                View {
+                                    function: &kept,
+                                    ..view
+                                }
+                            }
+                            false => view,
+                        };
+                        c::files(view, &self.options()?).map_err(refuse)?.into()
+                    }
                 };
                 context.artifacts.extend(
                     files
@@ -239,14 +290,43 @@ impl Codegen {
 
 impl Codegen {
     /// The options of C code.
-    fn options(&self) -> Options {
-        Options {
+    fn options(&self) -> Result<Options, PassError> {
+        let options = Options {
             signature: self.signature,
             real: self.number,
             sines: self.sines,
             order: self.order,
             part: self.part,
             ..Options::default()
+        };
+        if self.base == 0 {
+            return Ok(Options {
+                signature: Signature::Plain,
+                layout: Layout::FromZero {
+                    order: self.layout,
+                    is_sparse: self.sparse,
+                },
+                ..options
+            });
+        }
+        if self.layout != ElementOrder::Row || self.sparse {
+            let message = "arrays that count from 1 have rows with all elements";
+            return Err(PassError::new(message).help("add base=0"));
+        }
+        Ok(options)
+    }
+
+    /// The options of C for CasADi, which computes in binary64.
+    fn casadi_options(&self) -> Result<Options, PassError> {
+        match self.number {
+            Real::Double => Ok(Options {
+                sines: self.sines,
+                order: self.order,
+                part: self.part,
+                ..Options::default()
+            }),
+            Real::Float => Err(PassError::new("CasADi computes in 'double'")
+                .help("leave out number=float, or choose target=c")),
         }
     }
 }

@@ -15,15 +15,18 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from typing import Any, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Mapping, Sequence
 
 import numpy as np
 
-from . import _gate, _robovec
+from . import _casadi, _gate, _robovec
 from ._compiled import Compiled, compile_files
 from ._robovec import Error, __version__
 
-__all__ = ["Compiled", "Error", "Program", "load", "parse", "__version__"]
+if TYPE_CHECKING:
+    import casadi as ca
+
+__all__ = ["Compiled", "Error", "Program", "accelerate", "casadi", "load", "parse", "__version__"]
 
 
 def load(
@@ -34,6 +37,9 @@ def load(
     numbers: bool = False,
     forces: bool = True,
     model: str | os.PathLike[str] | None = None,
+    jacobians: bool = False,
+    floating: bool = False,
+    right_angles: float = 0.0,
 ) -> Program:
     """Reads equations (Robotran's C, Matlab or Python, robovec's text) or makes
     a function of a model (``.mbs``, ``.urdf``).
@@ -41,14 +47,28 @@ def load(
     ``function`` is one of a file that has several, or what is made of a model
     (``dirdyna`` without a word). ``formulation``, ``numbers`` (the model's
     numbers in place of symbols) and ``forces`` (external forces and torques)
-    concern models. ``model`` names the model that gives a file of equations
-    its parameters.
+    concern models, and so does ``jacobians``: the Jacobians of the outputs
+    (``Qq_q`` of ``Qq``) as further outputs, where they have a recursion of their
+    own. ``formulation="fewest"`` takes the one with the fewest operations.
+    ``floating`` and ``right_angles`` concern robots: a base that moves freely, and
+    the angle, in rad, within which a fixed rotation is taken as a right angle.
+    ``model`` names the model that gives a file of equations its parameters.
 
     Raises ``Error`` with the place and the remedy when something is wrong, and
     warns of what is left out.
     """
     other = None if model is None else os.fspath(model)
-    inner = _robovec.Program.load(os.fspath(path), function, formulation, numbers, forces, other)
+    if not 0 <= right_angles <= 0.1:
+        raise Error(f"right_angles is from 0 to 0.1 rad, not {right_angles!r}")
+    options = dict(
+        formulation=formulation,
+        numbers=numbers,
+        forces=forces,
+        jacobians=jacobians,
+        floating=floating,
+        right_angles=float(right_angles),
+    )
+    inner = _robovec.Program.load(os.fspath(path), function, options, other)
     if inner.remarks:
         warnings.warn(inner.remarks.rstrip(), stacklevel=2)
     return Program(inner)
@@ -57,6 +77,78 @@ def load(
 def parse(text: str, function: str | None = None) -> Program:
     """Reads robovec's own text."""
     return Program(_robovec.Program.parse(text, function))
+
+
+def casadi(
+    subject: Program | str | os.PathLike[str],
+    function: str = "invdyna",
+    *,
+    name: str | None = None,
+    derivatives: str = "second",
+    passes: str = _casadi.PASSES,
+    formulation: str = "fewest",
+    numbers: bool = True,
+    forces: bool = False,
+    floating: bool = False,
+    right_angles: float = 1e-10,
+    compiler: str = "cc",
+    flags: Sequence[str] = _casadi.FLAGS,
+    folder: str | os.PathLike[str] | None = None,
+) -> ca.Function:
+    """A function of a robot or model (or a program) as a CasADi function.
+
+    It is compiled C with sparse Jacobians, adjoints and directions, and with
+    ``derivatives="second"`` those of the adjoints, which CasADi finds by
+    itself: in a Jacobian, a Hessian or an integrator. ``passes`` run before.
+    ``name`` is that of the CasADi function; ``folder`` keeps the C file and the
+    library. The other options are those of ``load``.
+
+        >>> tau = robovec.casadi("arm.urdf", "invdyna")
+        >>> tau(q, qd, qdd), tau.jacobian()
+    """
+    program = subject
+    if not isinstance(program, Program):
+        program = load(
+            program,
+            function,
+            formulation=formulation,
+            numbers=numbers,
+            forces=forces,
+            jacobians=True,
+            floating=floating,
+            right_angles=right_angles,
+        )
+    program = program.run(passes) if passes else program
+    program = program if name is None else Program(program._inner.renamed(name))
+    return _casadi.external(program, derivatives, compiler, flags, folder)
+
+
+def accelerate(
+    function: ca.Function,
+    *,
+    passes: str = _casadi.PASSES,
+    derivatives: str = "second",
+    points: int = 4,
+    compiler: str = "cc",
+    flags: Sequence[str] = _casadi.FLAGS,
+    folder: str | os.PathLike[str] | None = None,
+) -> ca.Function:
+    """A CasADi function, optimised, proved and compiled.
+
+    Its scalar operations become a program, ``passes`` shorten it, each is
+    proved at so many ``points``, and the compiled result is compared with the
+    original at as many. It takes SX functions, and MX functions that can be
+    expanded; other operations than + - * /, sin, cos, tan, sqrt and constant
+    powers are refused by name.
+
+        >>> fast = robovec.accelerate(f)
+    """
+    program = parse(_casadi.text_of(function, function.name()))
+    if passes:
+        program = program.run(passes, check=points)
+    made = _casadi.external(program, derivatives, compiler, flags, folder)
+    _casadi.compare(function, made, points)
+    return made
 
 
 class Program:

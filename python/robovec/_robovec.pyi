@@ -1,5 +1,7 @@
 """What is written in Rust; robovec/__init__.py is what people use."""
 
+from typing import Any
+
 __version__: str
 
 class Error(Exception): ...
@@ -11,15 +13,14 @@ class Program:
     def load(
         path: str,
         function: str | None,
-        formulation: str,
-        numbers: bool,
-        forces: bool,
+        options: dict[str, Any],
         model: str | None,
     ) -> Program: ...
     @staticmethod
     def parse(text: str, function: str | None) -> Program: ...
     def run(self, passes: str, machine: str, check: int | None) -> Program: ...
     def files(self, passes: str, machine: str) -> list[tuple[str, str]]: ...
+    def renamed(self, name: str) -> Program: ...
     @property
     def name(self) -> str: ...
     @property

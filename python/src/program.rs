@@ -4,9 +4,12 @@ use crate::Error;
 use crate::values;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use robovec::generate::{Formulation, GenerationRequest, ParameterBinding, generate_asked};
+use robovec::generate::{
+    Formulation, GenerationRequest, ParameterBinding, fewest, generate_asked, with_jacobians,
+};
 use robovec::kinematics::parameter;
 use robovec::model::Model;
+use robovec::model::urdf::{RobotBase, RobotReading};
 use robovec::report::{ModuleReport, PassRunRecord, ReadCounts, ReportOptions};
 use robovec::robotran::FunctionKind;
 use robovec::sources;
@@ -18,6 +21,18 @@ use robovec_ir::{Array, Function, Module, Shape, View, parse};
 use robovec_passes::registry::REGISTRY;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Options of functions of models, by their names in Python.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct ModelOptions {
+    formulation: String,
+    numbers: bool,
+    forces: bool,
+    jacobians: bool,
+    floating: bool,
+    right_angles: f64,
+}
 
 /// One function, and the model that gives its parameters.
 #[pyclass(frozen, name = "Program", module = "robovec._robovec")]
@@ -43,21 +58,18 @@ fn plain(error: impl std::fmt::Display) -> PyErr {
 impl PythonProgram {
     /// Reads a file of equations, or makes a function of a model.
     #[staticmethod]
-    #[pyo3(signature = (path, function, formulation, numbers, forces, model))]
+    #[pyo3(signature = (path, function, options, model))]
     fn load(
         py: Python<'_>,
         path: &str,
         function: Option<&str>,
-        formulation: &str,
-        numbers: bool,
-        forces: bool,
+        options: ModelOptions,
         model: Option<&str>,
     ) -> PyResult<PythonProgram> {
         py.detach(|| {
             let path = Path::new(path);
             if sources::is_model_path(path) {
-                let options = (formulation, numbers, forces);
-                return generated(path, function.unwrap_or("dirdyna"), options);
+                return generated(path, function.unwrap_or("dirdyna"), &options);
             }
             let read = sources::equations(path, None, function).map_err(|error| refused(&error))?;
             let model = model
@@ -115,6 +127,29 @@ impl PythonProgram {
         machine: &str,
     ) -> PyResult<Vec<(String, String)>> {
         py.detach(|| Ok(self.transformed(passes, machine, None)?.2))
+    }
+
+    /// The same function under another name.
+    fn renamed(&self, name: &str) -> PyResult<PythonProgram> {
+        let mut letters = name.chars();
+        let is_word = letters
+            .next()
+            .is_some_and(|first| first.is_ascii_alphabetic())
+            && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+        if !is_word {
+            return Err(plain(format!(
+                "'{name}' is not a name: letters, digits and _"
+            )));
+        }
+        let mut module = self.module.clone();
+        name.clone_into(&mut module.functions[0].name);
+        Ok(PythonProgram {
+            module,
+            model: self.model.clone(),
+            passes: self.passes.clone(),
+            read: self.read.clone(),
+            remarks: self.remarks.clone(),
+        })
     }
 
     /// The name of the function.
@@ -280,27 +315,37 @@ impl PythonProgram {
 }
 
 /// A function of a model.
-fn generated(
-    path: &Path,
-    function: &str,
-    (formulation, numbers, forces): (&str, bool, bool),
-) -> PyResult<PythonProgram> {
-    let read = sources::model(path).map_err(|error| refused(&error))?;
+fn generated(path: &Path, function: &str, options: &ModelOptions) -> PyResult<PythonProgram> {
+    let robot = RobotReading {
+        base: match options.floating {
+            true => RobotBase::Floating,
+            false => RobotBase::Fixed,
+        },
+        right_angle: options.right_angles,
+    };
+    let read = sources::model_as(path, robot).map_err(|error| refused(&error))?;
     let known = FunctionKind::ALL.map(FunctionKind::name).join(", ");
     let kind = FunctionKind::with_name(function)
         .ok_or_else(|| plain(format!("no function '{function}'; there are {known}")))?;
-    let formulations = Formulation::names().join(", ");
     let mut request = GenerationRequest::new(kind);
-    request.formulation = Formulation::from_name(formulation).ok_or_else(|| {
-        plain(format!(
-            "no formulation '{formulation}'; there are {formulations}"
-        ))
-    })?;
-    if numbers {
+    if options.numbers {
         request.options.parameters = ParameterBinding::Numbers;
     }
-    request.options.external_forces = forces;
-    let module = generate_asked(&read.model, &request).map_err(plain)?;
+    request.options.external_forces = options.forces;
+    request.formulation = match options.formulation.as_str() {
+        "fewest" => fewest(&read.model, kind, &request.options),
+        name => Formulation::from_name(name).ok_or_else(|| {
+            let known = Formulation::names().join(", ");
+            plain(format!(
+                "no formulation '{name}'; there are fewest, {known}"
+            ))
+        })?,
+    };
+    let module = match options.jacobians {
+        true => with_jacobians(&read.model, &request),
+        false => generate_asked(&read.model, &request),
+    };
+    let module = module.map_err(plain)?;
     // The name of a kind stands for all its cases, `sensor` for `sensor_1`.
     let is_case = function != kind.name();
     let remarks = read.warnings_for(kind).render_plain();

@@ -10,6 +10,11 @@ import unittest
 import numpy as np
 import robovec
 
+try:
+    import casadi as ca
+except ImportError:
+    ca = None
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ARM = ROOT / "examples/robots/arm.urdf"
 BOGIE = ROOT / "examples/models/bogie.mbs"
@@ -275,12 +280,96 @@ class Compiling(unittest.TestCase):
                 self.assertLess(np.abs(single[name] - found[name][3]).max(), 1e-12 * scale)
 
 
+@unittest.skipIf(ca is None, "CasADi is not installed")
+class Casadi(unittest.TestCase):
+    """Functions for CasADi beside the programs they are made of, and beside
+    CasADi's own derivatives."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.tau = robovec.casadi(ARM, "invdyna", right_angles=0, flags=["-O1"])
+        draw = np.random.default_rng(3)
+        cls.state = [draw.uniform(-1, 1, 7) for _ in range(3)]
+
+    def test_values_are_those_of_the_program(self):
+        program = robovec.load(ARM, "invdyna", numbers=True, forces=False)
+        wanted = program(**dict(zip(["q", "qd", "qdd"], self.state)))["Qq"]
+        found = np.array(self.tau(*self.state)).ravel()
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * abs(wanted).max())
+        self.assertEqual(self.tau.name_in(), ["q", "qd", "qdd"])
+
+    def test_jacobians_are_sparse_and_those_of_the_recursion(self):
+        blocks = self.tau.jacobian()(*self.state, ca.DM(7, 1))
+        program = robovec.load(ARM, "invdyna_d", numbers=True, forces=False)
+        wanted = program(**dict(zip(["q", "qd", "qdd"], self.state)))
+        for block, name in zip(blocks, ["Qq_q", "Qq_qd"]):
+            np.testing.assert_allclose(np.array(block), wanted[name], rtol=0, atol=1e-11)
+        self.assertEqual(blocks[0].nnz(), 42)
+        mass = robovec.load(ARM, "dirdyna", numbers=True, forces=False)
+        mass = mass(q=self.state[0], qd=self.state[1])["M"]
+        np.testing.assert_allclose(np.array(blocks[2]), mass, rtol=0, atol=1e-12)
+
+    def test_gradients_and_hessians_are_those_of_jacobians(self):
+        x = [ca.MX.sym(name, 7) for name in ["q", "qd", "qdd"]]
+        weight = np.linspace(-1, 1, 7)
+        energy = ca.dot(weight, self.tau(*x))
+        gradient = ca.Function("g", x, [ca.gradient(energy, x[0])])
+        hessian = ca.Function("h", x, [ca.hessian(energy, x[0])[0]])
+        jacobian = np.array(self.tau.jacobian()(*self.state, ca.DM(7, 1))[0])
+        found = np.array(gradient(*self.state)).ravel()
+        np.testing.assert_allclose(found, jacobian.T @ weight, rtol=0, atol=1e-11)
+        step, found = 1e-6, np.array(hessian(*self.state))
+        for k in range(7):
+            moved = [np.array(gradient(self.state[0] + s * step * np.eye(7)[k], *self.state[1:])) for s in (1, -1)]
+            np.testing.assert_allclose(found[:, k], ((moved[0] - moved[1]) / (2 * step)).ravel(), atol=1e-7)
+
+    def test_a_function_of_casadi_is_the_same_and_named_the_same(self):
+        x, p = ca.SX.sym("x", 2, 2), ca.SX.sym("p")
+        sparse = ca.SX(3, 3)
+        sparse[0, 1], sparse[2, 0] = ca.sin(x[0, 1]) ** 2 * p, ca.tan(p) / x[1, 0]
+        f = ca.Function("f", [x, p], [sparse, x @ x * ca.sqrt(p) ** 3], ["x", "p"], ["s", "y"])
+        fast = robovec.accelerate(f)
+        self.assertEqual((fast.name_in(), fast.name_out()), (["x", "p"], ["s", "y"]))
+        self.assertEqual(fast.nnz_out(0), 2)
+        at = [np.array([[0.3, 0.7], [1.1, 0.4]]), 0.8]
+        for found, wanted in zip(fast.call(at), f.call(at)):
+            np.testing.assert_allclose(np.array(found), np.array(wanted), rtol=1e-14)
+        for found, wanted in zip(fast.jacobian().call(at + [0, 0]), f.jacobian().call(at + [0, 0])):
+            np.testing.assert_allclose(np.array(found), np.array(wanted), rtol=1e-13)
+
+    def test_what_is_not_taken_is_named(self):
+        x = ca.SX.sym("x", 2)
+        wrong = [
+            (ca.exp(x), "OP_EXP"),
+            (x[0] ** x[1], "OP_POW"),
+            (ca.if_else(x[0] > 0, x[1], 1), "OP_"),
+            (ca.SX([np.inf, 1]) + x, "inf"),
+        ]
+        for result, word in wrong:
+            with self.subTest(word), self.assertRaisesRegex(robovec.Error, word):
+                robovec.accelerate(ca.Function("f", [x], [result]))
+        with self.assertRaisesRegex(robovec.Error, "derivatives"):
+            robovec.casadi(ARM, derivatives="third")
+        with self.assertRaisesRegex(robovec.Error, "name"):
+            robovec.casadi(ARM, name="no name")
+        with self.assertRaisesRegex(robovec.Error, "no-such-compiler"):
+            robovec.casadi(ARM, derivatives="none", compiler="no-such-compiler")
+
+    def test_two_robots_live_side_by_side_with_a_floating_base(self):
+        fixed = robovec.casadi(ARM, "accelred", derivatives="first")
+        free = robovec.casadi(ARM, "accelred", derivatives="none", floating=True, name="free")
+        self.assertEqual((fixed.size1_in(0), free.size1_in(0)), (7, 13))
+        qdd = free(np.full(13, 0.1), np.zeros(13), np.zeros(13))
+        self.assertAlmostEqual(float(qdd[2]), -9.81, delta=3)
+
+
 class Documentation(unittest.TestCase):
     def test_the_examples_of_the_pages_run(self):
         before = os.getcwd()
         os.chdir(ROOT)
         try:
-            for page in ["README.md", "docs/python.md", "docs/tutorials.md"]:
+            pages = ["README.md", "docs/python.md", "docs/tutorials.md"]
+            for page in pages + (["docs/casadi.md"] if ca else []):
                 text = (ROOT / page).read_text()
                 blocks = re.findall(r"```python\n(.*?)```", text, re.S)
                 self.assertGreater(len(blocks), 0, page)

@@ -7,6 +7,7 @@
 
 pub mod batch;
 pub mod c;
+pub mod casadi;
 mod emit;
 pub mod fpcore;
 pub mod kind;

@@ -11,18 +11,16 @@ use clap::{ArgGroup, Args};
 use files::{FileArguments, GenerationName, OutputLanguage, refuse_losses};
 use robovec_cgen::kind::Generation;
 use robovec_dynamics::generate::{
-    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, contenders,
-    generate_into, refuse_empty,
+    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, fewest, generate_into,
+    refuse_empty, with_jacobians_into,
 };
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::files::Replace;
 use robovec_io::sources;
-use robovec_ir::count::Counts;
 use robovec_ir::{Module, print};
 use robovec_model::Model;
-use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -74,6 +72,10 @@ pub(super) struct GenArguments {
     /// joints
     #[arg(long)]
     multipliers: bool,
+    /// Also write the Jacobians of the outputs of invdyna and accelred, as arrays
+    /// named Qq_q
+    #[arg(long)]
+    jacobians: bool,
     /// Number of constraint rows that the user computes (user_cons_hJ,
     /// user_cons_jdqd); they determine as many dependent joints of the model,
     /// in addition to those of the loops
@@ -116,6 +118,7 @@ impl GenArguments {
             ("--expanded", self.expanded),
             ("--any-angles", self.any_angles),
             ("--multipliers", self.multipliers),
+            ("--jacobians", self.jacobians),
             ("--user-constraints", self.user_constraints > 0),
             ("--driven", !self.driven.is_empty()),
             ("--hold", !self.hold.is_empty()),
@@ -216,23 +219,6 @@ fn formulations_or_fewest() -> PossibleValuesParser {
     PossibleValuesParser::new(formulation_values().into_iter().chain([fewest]))
 }
 
-/// The formulation of a function that has the fewest operations after the
-/// preset `$cpu`, of equally short ones the first; one that the generator does
-/// not give for this model is none.
-pub(super) fn fewest(model: &Model, function: FunctionKind, options: &Options) -> Formulation {
-    let cpu = REGISTRY.pipeline("$cpu").expect("a preset is a pipeline");
-    let found = contenders(model, function, &Formulation::ALL, options);
-    let lengths = found.possible.into_iter().filter_map(|contender| {
-        let mut module = contender.module;
-        transform_remarking(&mut module, &cpu, &mut std::io::sink()).ok()?;
-        let lengths = module.functions.iter().map(Counts::of);
-        let operations: usize = lengths.map(|counts| counts.operations).sum();
-        Some((operations, contender.formulation))
-    });
-    let shortest = lengths.min_by_key(|(operations, _)| *operations);
-    shortest.map_or_else(Formulation::default, |(_, formulation)| formulation)
-}
-
 /// The formulation of an option's value that [`formulations`] let through.
 pub(super) fn formulation(name: &str) -> Formulation {
     Formulation::from_name(name).expect("the command line has checked the formulation")
@@ -247,25 +233,29 @@ pub(super) fn functions(
 ) -> Result<Module, CommandFailure> {
     let mut module = Module::new();
     for &function in kinds {
-        add(&mut module, model, (function, formulation), options)?;
+        add(&mut module, model, (function, formulation), options, false)?;
     }
     Ok(module)
 }
 
-/// Generates one function into a module.
+/// Generates one function into a module, with its Jacobians on request.
 fn add(
     module: &mut Module,
     model: &Model,
     (function, formulation): (FunctionKind, Formulation),
     options: &Options,
+    jacobians: bool,
 ) -> Result<(), CommandFailure> {
     let request = GenerationRequest {
         function,
         formulation,
         options: options.clone(),
     };
-    generate_into(module, model, &request)
-        .map_err(|error| CommandFailure::plain(format!("{}: {error}", function.name())))
+    let made = match jacobians {
+        true => with_jacobians_into(module, model, &request),
+        false => generate_into(module, model, &request),
+    };
+    made.map_err(|error| CommandFailure::plain(format!("{}: {error}", function.name())))
 }
 
 pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
@@ -377,7 +367,8 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
     for function in kinds {
         let formulation = arguments.formulation(&model, function, "recursive");
         let before = module.functions.len();
-        add(&mut module, &model, (function, formulation), &options)?;
+        let wanted = (function, formulation);
+        add(&mut module, &model, wanted, &options, arguments.jacobians)?;
         if refuse_empty(&model, function, &module.functions[before..]).is_err() {
             empty.push(function);
         }

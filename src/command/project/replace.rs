@@ -5,7 +5,7 @@ use crate::command::generation::{self, transform_remarking};
 use crate::command::{CommandFailure, input};
 use robovec_cgen::c;
 use robovec_cgen::kind::Generation;
-use robovec_dynamics::generate::{Formulation, Options};
+use robovec_dynamics::generate::{Formulation, Options, fewest};
 use robovec_dynamics::stale;
 use robovec_dynamics::whole_step::{self, StepFunction, StepStyle};
 use robovec_io::sources;
@@ -176,7 +176,7 @@ pub(super) fn whole_step(
 
 fn stepped(model: &Model, options: &Options, new: &mut NewEquations) -> Result<(), String> {
     let steps = [StepFunction::Accelerations];
-    let formulation = generation::fewest(model, FunctionKind::Accelred, options);
+    let formulation = fewest(model, FunctionKind::Accelred, options);
     let mut module = whole_step::generate_parts(model, &steps, formulation, options)
         .map_err(|error| error.to_string())?;
     optimise(&mut module)?;

@@ -190,6 +190,21 @@ pub fn set_reading(reading: RobotReading) {
 ///
 /// Reports why the file is not read, or where its text is wrong.
 pub fn model(path: &Path) -> Result<ReadModel, Report> {
+    let base = if FLOATING.load(Ordering::Relaxed) {
+        RobotBase::Floating
+    } else {
+        RobotBase::Fixed
+    };
+    let right_angle = f64::from_bits(RIGHT_ANGLE.load(Ordering::Relaxed));
+    model_as(path, RobotReading { base, right_angle })
+}
+
+/// Reads a model, a robot with its own options.
+///
+/// # Errors
+///
+/// As [`model`].
+pub fn model_as(path: &Path, robot: RobotReading) -> Result<ReadModel, Report> {
     if let Some(model) = built_in_name(path).and_then(family::built_in) {
         return Ok(ReadModel {
             model,
@@ -199,14 +214,8 @@ pub fn model(path: &Path) -> Result<ReadModel, Report> {
     }
     let bytes = limited::read(path, &limited::MODEL)?;
     let name = display_name(path);
-    let base = if FLOATING.load(Ordering::Relaxed) {
-        RobotBase::Floating
-    } else {
-        RobotBase::Fixed
-    };
     let read = if is_urdf(&name, &bytes) {
-        let right_angle = f64::from_bits(RIGHT_ANGLE.load(Ordering::Relaxed));
-        read_urdf(&name, &bytes, RobotReading { base, right_angle })
+        read_urdf(&name, &bytes, robot)
     } else {
         read_mbs(&name, &bytes)
     };

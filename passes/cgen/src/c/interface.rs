@@ -1,6 +1,7 @@
 //! The interface of a C function: its signature, and its access to the elements
 //! of its arrays.
 
+use super::layout::{self, ElementOrder, Layout, OutputLayout, OutputLayouts};
 use super::{Options, Real, Signature};
 use crate::emit::arrays::{self, Rows};
 use crate::emit::frame::ParameterList;
@@ -9,6 +10,7 @@ use crate::kind::{EquationKind, Generation, ProjectStructure, file_stem, model_n
 use hashbrown::HashMap;
 use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
 use rustc_hash::FxBuildHasher;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 /// The reason why a function cannot have the signature of Robotran's.
@@ -77,6 +79,8 @@ enum ArrayReach {
     Target,
     /// A parameter whose rows have pointers.
     Rows,
+    /// A parameter that counts from 0, with one index.
+    FromZero,
     /// A member of the model's data structure.
     Member,
 }
@@ -93,6 +97,8 @@ pub(super) struct Interface<'a> {
     function: &'a Function,
     /// Robotran's kind; `None` with the plain signature.
     kind: Option<EquationKind>,
+    /// The arrangement of arrays that count from 0.
+    layout: Option<(ElementOrder, OutputLayouts)>,
     name: String,
     file: String,
     inputs: Vec<ArrayAccess>,
@@ -112,6 +118,12 @@ impl<'a> Interface<'a> {
         let mut interface = Interface {
             function: view.function,
             kind: None,
+            layout: match (options.signature, options.layout) {
+                (Signature::Plain, Layout::FromZero { order, is_sparse }) => {
+                    Some((order, OutputLayouts::new(view.function, order, is_sparse)))
+                }
+                _ => None,
+            },
             name: String::new(),
             file: String::new(),
             inputs: Vec::new(),
@@ -139,11 +151,16 @@ impl<'a> Interface<'a> {
         ] {
             for array in arrays {
                 let name = self.names.take(symbols.text(array.name));
-                let declaration =
-                    arrays::parameter(real, &name, array.shape, is_output, Rows::Brackets);
+                let rows = match self.layout {
+                    Some(_) => Rows::None,
+                    None => Rows::Brackets,
+                };
+                let declaration = arrays::parameter(real, &name, array.shape, is_output, rows);
                 let reach = match array.shape {
                     Shape::Scalar if is_output => ArrayReach::Target,
-                    Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) => ArrayReach::Parameter,
+                    Shape::Scalar => ArrayReach::Parameter,
+                    _ if self.layout.is_some() => ArrayReach::FromZero,
+                    Shape::Vector(_) | Shape::Matrix(..) => ArrayReach::Parameter,
                 };
                 self.parameters.push(declaration, &name);
                 let access = ArrayAccess {
@@ -330,6 +347,19 @@ impl<'a> Interface<'a> {
     pub(super) fn element(&self, is_output: bool, element: u32) -> ElementExpression {
         let (number, indices, rank) = self.place(is_output, element);
         let (access, row) = self.row(is_output, number, indices, rank);
+        if let (ArrayReach::FromZero, Some((order, outputs))) = (access.reach, &self.layout) {
+            let place = if is_output {
+                let place = outputs.place(Output(element));
+                place.expect("only elements that are kept are written")
+            } else {
+                let array = &self.function.inputs()[number];
+                layout::place(array, element - array.offset, *order)
+            };
+            return ElementExpression {
+                text: format!("{}[{place}]", access.name),
+                pointer: None,
+            };
+        }
         let pointer = self.by_row.get(&(is_output, number, row)).copied();
         let text = match (pointer, rank) {
             (Some(pointer), _) => {
@@ -338,12 +368,33 @@ impl<'a> Interface<'a> {
             (None, 0) => match access.reach {
                 ArrayReach::Target => format!("*{}", access.name),
                 ArrayReach::Member => format!("s->{}", access.name),
-                ArrayReach::Parameter | ArrayReach::Rows => access.name.clone(),
+                ArrayReach::Parameter | ArrayReach::Rows | ArrayReach::FromZero => {
+                    access.name.clone()
+                }
             },
             (None, 1) => format!("{}[{}]", access.name, indices[0]),
             (None, _) => format!("{}[{}][{}]", access.name, indices[0], indices[1]),
         };
         ElementExpression { text, pointer }
+    }
+
+    /// The function without assignments of elements that the layout drops.
+    pub(super) fn written<'f>(&self, function: &'f Function) -> Cow<'f, Function> {
+        match &self.layout {
+            Some((_, outputs)) if !function.assignments.iter().all(|set| outputs.keeps(set)) => {
+                let mut written = function.clone();
+                written.assignments.retain(|set| outputs.keeps(set));
+                Cow::Owned(written)
+            }
+            _ => Cow::Borrowed(function),
+        }
+    }
+
+    /// The outputs that count from 0, by the names of their parameters.
+    pub(super) fn layouts(&self) -> Option<(ElementOrder, Vec<(&str, &OutputLayout)>)> {
+        let (order, outputs) = self.layout.as_ref()?;
+        let names = self.outputs.iter().map(|access| access.name.as_str());
+        Some((*order, names.zip(&outputs.arrays).collect()))
     }
 
     /// True when writing an output may change an input.

@@ -4,7 +4,8 @@
 //! function as parameters; Robotran's has the names, types and order of
 //! parameters of the file it replaces ([`crate::kind`]), so that a
 //! project of MBsysC is built with one file exchanged. In both, arrays count
-//! from 1 (`q[1]` is the first element, `q[0]` is never touched).
+//! from 1 (`q[1]` is the first element, `q[0]` is never touched), unless a
+//! [`Layout`] from 0 is requested.
 //!
 //! Every operation is in the grouping of the representation, so that the
 //! result equals the evaluator's bit for bit when the C compiler does not
@@ -27,16 +28,20 @@
 //! instructions ([`sines`]).
 
 mod interface;
+pub mod layout;
 mod parts;
+mod pattern;
 mod sines;
 mod text;
 mod trial;
 
 pub use super::emit::Real;
 pub use interface::SignatureError;
+pub use layout::{ElementOrder, Layout, OutputLayout};
 pub use trial::{TrialState, minimal_data, trial_main};
 
 use interface::Interface;
+use layout::OutputLayouts;
 use parts::CodePlan;
 use robovec_framework::option_words;
 use robovec_ir::{Array, Assignment, Function, Name, Node, Operand, Operation, View};
@@ -89,6 +94,8 @@ pub struct Options {
     pub part: u32,
     /// The function is for the file alone that it is in (`static`).
     pub is_local: bool,
+    /// The arrangement of arrays in the plain signature.
+    pub layout: Layout,
 }
 
 impl Default for Options {
@@ -100,6 +107,7 @@ impl Default for Options {
             order: StatementOrder::Depth,
             part: 500,
             is_local: false,
+            layout: Layout::FromOne,
         }
     }
 }
@@ -131,6 +139,11 @@ pub fn files(view: View<'_>, options: &Options) -> Result<[(String, String); 2],
         ..view
     };
     let interface = Interface::new(view, options)?;
+    let written = interface.written(view.function);
+    let view = View {
+        function: &written,
+        ..view
+    };
     let plan = CodePlan::new(view.function, options, interface.overwrites());
     let writer = PlainWriter::new(view, options, &interface, &plan);
     let name = interface.file().to_owned();
@@ -168,6 +181,15 @@ fn kept(function: &Function) -> Cow<'_, Function> {
         }
     }
     Cow::Owned(kept)
+}
+
+/// The arrangement of every output array of a function that counts from 0.
+pub fn output_layouts(
+    function: &Function,
+    order: ElementOrder,
+    is_sparse: bool,
+) -> Vec<OutputLayout> {
+    OutputLayouts::new(function, order, is_sparse).arrays
 }
 
 /// The name of the C function.

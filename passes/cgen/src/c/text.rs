@@ -2,6 +2,7 @@
 
 use super::interface::Interface;
 use super::parts::{CodePart, CodePlan, CodeStatement};
+use super::pattern;
 use super::{Options, Real};
 use crate::emit::expression::{BoundText, Operands, Tightness, apply, literal};
 use crate::emit::frame::{self, APART, CLONES};
@@ -86,6 +87,11 @@ impl<'a> PlainWriter<'a> {
     /// The header: one declaration.
     pub(super) fn header(&self) -> String {
         let declared = self.head() + "(" + &self.interface.parameters.declared() + ")";
+        if let Some((order, outputs)) = self.interface.layouts() {
+            let constants = pattern::constants(self.interface.file(), order, &outputs);
+            let file = self.interface.file();
+            return frame::header_for_both(&self.comment(), file, &constants, &declared);
+        }
         let data = self.interface.data_header();
         frame::header(&self.comment(), self.interface.file(), data, &declared)
     }
@@ -135,7 +141,10 @@ impl<'a> PlainWriter<'a> {
         }
         text.push_str("#include <math.h>\n");
         if has_sines {
-            text.push_str("#include <stdint.h>\n#include <string.h>\n");
+            text.push_str("#include <stdint.h>\n");
+        }
+        if has_sines || self.has_gaps() {
+            text.push_str("#include <string.h>\n");
         }
         if let Some(header) = self.interface.data_header() {
             let _ = writeln!(text, "\n#include \"{header}\"");
@@ -145,6 +154,13 @@ impl<'a> PlainWriter<'a> {
             text.push_str(APART);
             text.push_str(CLONES);
         }
+    }
+
+    /// True if elements of arrays must be set to zero.
+    fn has_gaps(&self) -> bool {
+        let outputs = self.interface.layouts().map(|(_, outputs)| outputs);
+        let mut outputs = outputs.into_iter().flatten();
+        outputs.any(|(_, layout)| layout.has_gaps)
     }
 
     /// A part as its own function.
@@ -160,7 +176,8 @@ impl<'a> PlainWriter<'a> {
         *text += &list.definition(&head, &self.body(&body));
     }
 
-    /// The work array, and the words of it that angles leave empty.
+    /// The work array, the words of it that angles leave empty, and zeros in
+    /// the elements of dense arrays that are never set.
     fn locals(&self) -> String {
         let mut text = String::new();
         if self.plan.work() > 0 || !self.plan.is_flat {
@@ -171,6 +188,13 @@ impl<'a> PlainWriter<'a> {
         let angles = slots.angle_words();
         for word in angles.start + slots.angles().len() as u32..angles.end {
             let _ = writeln!(text, "    {}[{word}] = 0;", self.work);
+        }
+        let outputs = self.interface.layouts().map(|(_, outputs)| outputs);
+        for (name, layout) in outputs.into_iter().flatten() {
+            if layout.has_gaps {
+                let (real, count) = (self.real.name(), layout.kept.len());
+                let _ = writeln!(text, "    memset({name}, 0, sizeof({real}) * {count});");
+            }
         }
         text
     }
@@ -198,10 +222,11 @@ impl<'a> PlainWriter<'a> {
     /// The comment about the arrays, and about the user calls that the caller
     /// must make.
     fn comment(&self) -> String {
-        let mut text = format!(
-            "/* {} by robovec. Arrays count from 1; element 0 is not used.\n",
-            self.interface.name()
-        );
+        let mut text = format!("/* {} by robovec. ", self.interface.name());
+        match self.interface.layouts() {
+            Some((order, outputs)) => text += &pattern::comment(order, &outputs),
+            None => text += "Arrays count from 1; element 0 is not used.\n",
+        }
         if self.interface.is_robotran() && !self.is_local {
             let model = model_name(self.function);
             let _ = writeln!(

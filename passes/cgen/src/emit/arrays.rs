@@ -55,6 +55,7 @@ pub(crate) fn parameter(
     match (shape, rows) {
         (Shape::Scalar, _) if is_output => format!("{real} *{name}"),
         (Shape::Scalar, _) => format!("{real} {name}"),
+        (_, Rows::None) => format!("{constant}{real} *restrict {name}"),
         (Shape::Vector(_), _) => format!("{constant}{real} *{name}"),
         (Shape::Matrix(..), Rows::Brackets) => format!("{constant}{real} {name}[][{columns}]"),
         (Shape::Matrix(..), Rows::Pointer) => format!("{constant}{real} (*{name})[{columns}]"),
@@ -68,6 +69,9 @@ pub(crate) enum Rows {
     Brackets,
     /// `double (*a)[4]`.
     Pointer,
+    /// `double *restrict a`: vectors and matrices of any order, which do not
+    /// overlap.
+    None,
 }
 
 /// An element of a parameter that [`parameter`] declares.

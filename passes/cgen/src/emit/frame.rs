@@ -92,11 +92,26 @@ impl ParameterList {
 
 /// A header that declares one function.
 pub(crate) fn header(comment: &str, file: &str, data: Option<&str>, declared: &str) -> String {
-    let guard = file.to_ascii_uppercase().replace('-', "_");
     let data = data.map_or(String::new(), |name| format!("#include \"{name}\"\n\n"));
-    format!(
-        "{comment}#ifndef ROBOVEC_{guard}_H\n#define ROBOVEC_{guard}_H\n\n{data}{declared};\n\n#endif\n"
-    )
+    guarded(comment, file, &format!("{data}{declared};\n"))
+}
+
+/// A header of C and C++ that declares one function. `constants` come before;
+/// C++ has no `restrict`, which declarations do not need.
+pub(crate) fn header_for_both(
+    comment: &str,
+    file: &str,
+    constants: &str,
+    declared: &str,
+) -> String {
+    let declared = declared.replace("*restrict ", "*");
+    let body = format!("{constants}#ifdef __cplusplus\nextern \"C\"\n#endif\n{declared};\n");
+    guarded(comment, file, &body)
+}
+
+fn guarded(comment: &str, file: &str, body: &str) -> String {
+    let guard = file.to_ascii_uppercase().replace('-', "_");
+    format!("{comment}#ifndef ROBOVEC_{guard}_H\n#define ROBOVEC_{guard}_H\n\n{body}\n#endif\n")
 }
 
 /// Lines that mark the parameters that a body leaves alone as used, for strict

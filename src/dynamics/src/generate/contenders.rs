@@ -8,9 +8,11 @@
 //! matrix is excluded before it is written: its number of operations is known.
 
 use super::{Formulation, GenerateError, GenerationRequest, Options, factor, generate};
+use robovec_framework::manager::{self, Config};
 use robovec_ir::count::Counts;
-use robovec_ir::{Module, print};
+use robovec_ir::{Machine, Module, print};
 use robovec_model::Model;
+use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
 
 /// Maximum length relative to the shortest one.
@@ -35,6 +37,25 @@ pub struct Contenders {
     pub possible: Vec<Contender>,
     /// Those that the generator does not give for the model, and why.
     pub refused: Vec<(Formulation, GenerateError)>,
+}
+
+/// The formulation of a function that has the fewest operations after the
+/// preset `$cpu`, of equally short ones the first; one that the generator does
+/// not give for this model is none.
+pub fn fewest(model: &Model, function: FunctionKind, options: &Options) -> Formulation {
+    let cpu = REGISTRY.pipeline("$cpu").expect("a preset is a pipeline");
+    let machine = Machine::built_in("thesis").expect("it ships");
+    let found = contenders(model, function, &Formulation::ALL, options);
+    let lengths = found.possible.into_iter().filter_map(|contender| {
+        let mut module = contender.module;
+        let mut log = std::io::sink();
+        manager::run(&mut module, &cpu, Config::new(&machine, &mut log)).ok()?;
+        let lengths = module.functions.iter().map(Counts::of);
+        let operations: usize = lengths.map(|counts| counts.operations).sum();
+        Some((operations, contender.formulation))
+    });
+    let shortest = lengths.min_by_key(|(operations, _)| *operations);
+    shortest.map_or_else(Formulation::default, |(_, formulation)| formulation)
 }
 
 /// Writes a function in those of some formulations that may be the shortest.

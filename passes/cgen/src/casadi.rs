@@ -1,0 +1,386 @@
+//! C in the form that CasADi's `external` loads: one file with a function, its
+//! derivatives and the sparsities of all of them (CasADi's manual, section
+//! "Using external functions"; the names of derivatives are those of CasADi
+//! 3.6 and later).
+//!
+//! | function of the file | inputs | outputs |
+//! |---|---|---|
+//! | `F` | `x` | `F(x)` |
+//! | `jac_F` | `x`, `out_y` | a block for every output and input |
+//! | `fwd1_F` | `x`, `out_y`, `fwd_x` | Jacobian times direction |
+//! | `adj1_F` | `x`, `out_y`, `adj_y` | transposed Jacobian times weights |
+//! | `jac_adj1_F`, `fwd1_adj1_F` | those of `adj1_F` and more | second derivatives |
+//!
+//! All arrays of the equations are vectors, matrices column by column, so that
+//! CasADi's memory is read and written directly. Results `out_y` that are given
+//! are not needed, and their sparsity is empty.
+
+use crate::c::layout;
+use crate::c::{self, ElementOrder, Layout, Options, OutputLayout, Signature};
+use robovec_ir::{Function, Tables, View};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// The part of the interface that some equations compute.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum CasadiRole {
+    /// The function itself.
+    Values,
+    /// Its Jacobian.
+    Jacobian,
+    /// Its Jacobian times a direction of the inputs.
+    Forward,
+    /// Its transposed Jacobian times weights of the outputs.
+    Adjoint,
+    /// The Jacobian of [`CasadiRole::Adjoint`].
+    AdjointJacobian,
+    /// The Jacobian of [`CasadiRole::Adjoint`] times a direction.
+    AdjointForward,
+}
+
+impl CasadiRole {
+    /// The beginning of the name of the function in C.
+    pub fn prefix(self) -> &'static str {
+        match self {
+            CasadiRole::Values => "",
+            CasadiRole::Jacobian => "jac_",
+            CasadiRole::Forward => "fwd1_",
+            CasadiRole::Adjoint => "adj1_",
+            CasadiRole::AdjointJacobian => "jac_adj1_",
+            CasadiRole::AdjointForward => "fwd1_adj1_",
+        }
+    }
+}
+
+/// An array of the function as CasADi sees it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct CasadiArray {
+    /// Its name.
+    pub name: String,
+    /// Rows and columns; a vector is one column.
+    pub extents: [u32; 2],
+}
+
+/// A function for CasADi.
+#[derive(Debug)]
+pub struct CasadiFunction {
+    /// Its name.
+    pub name: String,
+    /// The inputs.
+    pub inputs: Vec<CasadiArray>,
+    /// The outputs.
+    pub outputs: Vec<CasadiArray>,
+    /// The equations of every role, in which arrays are vectors and those of
+    /// a derivative have the order of `Differentiation::arrays`.
+    pub parts: Vec<(CasadiRole, Function)>,
+}
+
+/// An input or output of a function of the interface.
+struct CasadiPort {
+    array: CasadiArray,
+    /// Index of the array of the equations; `None` for one without elements.
+    source: Option<usize>,
+}
+
+impl CasadiFunction {
+    /// The C file, as (file name, text).
+    pub fn file(&self, tables: &Tables, options: &Options) -> (String, String) {
+        let mut writer = InterfaceWriter::default();
+        for (role, function) in &self.parts {
+            self.part(&mut writer, *role, View { tables, function }, options);
+        }
+        let zeros = self.inputs.iter().map(|array| count(array.extents)).max();
+        let text = format!(
+            "/* {} for CasADi, by robovec: compile it into a library and load it with casadi.external. */\n\
+             {HEAD}{}\nstatic const double robovec_zeros[{}] = {{0}};\n{}",
+            self.name,
+            writer.patterns,
+            zeros.unwrap_or(0).max(self.most_outputs()).max(1),
+            writer.functions
+        );
+        (format!("{}_casadi.c", self.name), text)
+    }
+
+    /// The equations of the function itself, without zeros.
+    fn values(&self) -> &Function {
+        let mut parts = self.parts.iter();
+        let found = parts.find(|(role, _)| *role == CasadiRole::Values);
+        &found.expect("the function itself is one of its parts").1
+    }
+
+    fn most_outputs(&self) -> u64 {
+        let counts = self.outputs.iter().map(|array| count(array.extents));
+        counts.max().unwrap_or(0)
+    }
+
+    /// Writes one function of the interface.
+    fn part(
+        &self,
+        writer: &mut InterfaceWriter,
+        role: CasadiRole,
+        view: View<'_>,
+        options: &Options,
+    ) {
+        let name = format!("{}{}", role.prefix(), self.name);
+        let inner = layout::without_zeros(view.function.clone());
+        // CasADi takes products with a Jacobian as dense as what they belong to.
+        let (mut inner, is_sparse) = match role {
+            CasadiRole::Values | CasadiRole::Jacobian | CasadiRole::AdjointJacobian => {
+                (inner, true)
+            }
+            CasadiRole::Forward => (layout::with_elements_of(inner, self.values()), true),
+            CasadiRole::Adjoint | CasadiRole::AdjointForward => (inner, false),
+        };
+        inner.name = format!("robovec_{name}");
+        let options = Options {
+            signature: Signature::Plain,
+            is_local: true,
+            layout: Layout::FromZero {
+                order: ElementOrder::Column,
+                is_sparse,
+            },
+            ..options.clone()
+        };
+        let view = View {
+            tables: view.tables,
+            function: &inner,
+        };
+        let layouts = c::output_layouts(&inner, ElementOrder::Column, is_sparse);
+        let [(_, source), _] = c::files(view, &options).expect("a plain signature");
+        writer.functions.push('\n');
+        writer.functions += &source;
+        let called = c::function_name(view, &options);
+        let ports = [self.ports(role, false), self.ports(role, true)];
+        writer.interface(&name, &called, &ports, &layouts);
+    }
+
+    /// Inputs or outputs of a role, in CasADi's order.
+    fn ports(&self, role: CasadiRole, is_output: bool) -> Vec<CasadiPort> {
+        let (xs, ys) = (&self.inputs, &self.outputs);
+        // Arrays that the equations have, from a first one on.
+        let real = |arrays: &[CasadiArray], prefix: &str, first: usize| -> Vec<CasadiPort> {
+            let numbered = arrays.iter().enumerate();
+            let port = |(index, array): (usize, &CasadiArray)| CasadiPort {
+                array: named(prefix, array),
+                source: Some(first + index),
+            };
+            numbered.map(port).collect()
+        };
+        let empty = |arrays: &[CasadiArray], prefix: &str| -> Vec<CasadiPort> {
+            let port = |array: &CasadiArray| CasadiPort {
+                array: named(prefix, array),
+                source: None,
+            };
+            arrays.iter().map(port).collect()
+        };
+        let (nx, ny) = (xs.len(), ys.len());
+        let blocks = match (role, is_output) {
+            (CasadiRole::Values, false) => vec![real(xs, "", 0)],
+            (CasadiRole::Values, true) => vec![real(ys, "", 0)],
+            (CasadiRole::Jacobian, false) => vec![real(xs, "", 0), empty(ys, "out_")],
+            (CasadiRole::Jacobian, true) => vec![jacobian(&real(ys, "", 0), &real(xs, "", 0))],
+            (CasadiRole::Forward, false) => {
+                vec![real(xs, "", 0), empty(ys, "out_"), real(xs, "fwd_", nx)]
+            }
+            (CasadiRole::Forward, true) => vec![real(ys, "fwd_", 0)],
+            (CasadiRole::Adjoint, false) => {
+                vec![real(xs, "", 0), empty(ys, "out_"), real(ys, "adj_", nx)]
+            }
+            (CasadiRole::Adjoint, true) => vec![real(xs, "adj_", 0)],
+            (CasadiRole::AdjointJacobian, false) => vec![
+                real(xs, "", 0),
+                empty(ys, "out_"),
+                real(ys, "adj_", nx),
+                empty(xs, "out_adj_"),
+            ],
+            (CasadiRole::AdjointJacobian, true) => {
+                let (inputs, weights) = (real(xs, "", 0), real(ys, "adj_", nx));
+                let columns = [inputs, empty(ys, "out_"), weights].into_iter().flatten();
+                vec![jacobian(&real(xs, "adj_", 0), &columns.collect::<Vec<_>>())]
+            }
+            (CasadiRole::AdjointForward, false) => vec![
+                real(xs, "", 0),
+                empty(ys, "out_"),
+                real(ys, "adj_", nx),
+                empty(xs, "out_adj_"),
+                real(xs, "fwd_", nx + ny),
+                empty(ys, "fwd_out_"),
+                real(ys, "fwd_adj_", nx + ny + nx),
+            ],
+            (CasadiRole::AdjointForward, true) => vec![real(xs, "fwd_adj_", 0)],
+        };
+        blocks.into_iter().flatten().collect()
+    }
+}
+
+/// The blocks of a Jacobian: for every row array one for each column array, of
+/// which those in the equations count.
+fn jacobian(rows: &[CasadiPort], columns: &[CasadiPort]) -> Vec<CasadiPort> {
+    let mut next = 0;
+    let pairs = rows
+        .iter()
+        .flat_map(|y| columns.iter().map(move |x| (y, x)));
+    let block = |(y, x): (&CasadiPort, &CasadiPort)| {
+        let source = x.source.map(|_| {
+            next += 1;
+            next - 1
+        });
+        let sizes = [&y.array, &x.array].map(|array| count(array.extents) as u32);
+        CasadiPort {
+            array: CasadiArray {
+                name: format!("jac_{}_{}", y.array.name, x.array.name),
+                extents: sizes,
+            },
+            source,
+        }
+    };
+    pairs.map(block).collect()
+}
+
+fn named(prefix: &str, array: &CasadiArray) -> CasadiArray {
+    CasadiArray {
+        name: format!("{prefix}{}", array.name),
+        extents: array.extents,
+    }
+}
+
+fn count([rows, columns]: [u32; 2]) -> u64 {
+    u64::from(rows) * u64::from(columns)
+}
+
+/// The text of the interface so far.
+#[derive(Default)]
+struct InterfaceWriter {
+    functions: String,
+    patterns: String,
+    /// The number of every sparsity written.
+    numbers: BTreeMap<Vec<u32>, usize>,
+}
+
+impl InterfaceWriter {
+    /// Writes the functions that CasADi asks about one function, and itself.
+    fn interface(
+        &mut self,
+        name: &str,
+        called: &str,
+        [inputs, outputs]: &[Vec<CasadiPort>; 2],
+        layouts: &[OutputLayout],
+    ) {
+        let dense = |port: &CasadiPort| match port.source {
+            Some(_) => compressed(port.array.extents, 0..count(port.array.extents)),
+            None => compressed(port.array.extents, 0..0),
+        };
+        let given: Vec<usize> = inputs.iter().map(|port| self.number(dense(port))).collect();
+        let kept = |port: &CasadiPort| port.source.map_or(&[][..], |source| &layouts[source].kept);
+        let made: Vec<usize> = outputs
+            .iter()
+            .map(|port| {
+                let rows = port
+                    .source
+                    .map_or(1, |source| u64::from(layouts[source].extents[0]));
+                let places = kept(port).iter();
+                let places = places.map(|&[row, column]| u64::from(column) * rows + u64::from(row));
+                self.number(compressed(port.array.extents, places))
+            })
+            .collect();
+        let mut scratch = 0;
+        let mut arguments = vec![String::new(); inputs.iter().flat_map(|port| port.source).count()];
+        for (index, port) in inputs.iter().enumerate() {
+            if let Some(source) = port.source {
+                arguments[source] = format!("arg[{index}] ? arg[{index}] : robovec_zeros");
+            }
+        }
+        let mut results = vec![String::new(); layouts.len()];
+        for (index, port) in outputs.iter().enumerate() {
+            if let Some(source) = port.source {
+                results[source] = format!("res[{index}] ? res[{index}] : w + {scratch}");
+                scratch += kept(port).len();
+            }
+        }
+        let arguments = [arguments, results].concat().join(",\n        ");
+        self.question(name, "in", inputs, &given);
+        self.question(name, "out", outputs, &made);
+        let (most_in, most_out) = (inputs.len(), outputs.len());
+        let _ = write!(
+            self.functions,
+            "ROBOVEC_EXPORT int {name}_work(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w)\n{{\n    \
+             if (sz_arg) *sz_arg = {most_in};\n    if (sz_res) *sz_res = {most_out};\n    \
+             if (sz_iw) *sz_iw = 0;\n    if (sz_w) *sz_w = {scratch};\n    return 0;\n}}\n\
+             ROBOVEC_EXPORT int {name}(const double **arg, double **res, casadi_int *iw, double *w, int mem)\n{{\n    \
+             (void)arg, (void)res, (void)iw, (void)w, (void)mem;\n    {called}({arguments});\n    return 0;\n}}\n"
+        );
+    }
+
+    /// Writes number, names and sparsities of inputs or outputs.
+    fn question(&mut self, name: &str, side: &str, ports: &[CasadiPort], patterns: &[usize]) {
+        let names: Vec<String> = ports
+            .iter()
+            .map(|port| format!("\"{}\"", port.array.name))
+            .collect();
+        let patterns: Vec<String> = patterns
+            .iter()
+            .map(|number| format!("robovec_pattern_{number}"))
+            .collect();
+        let length = ports.len();
+        let list = |items: &[String]| {
+            if items.is_empty() {
+                "0".to_owned()
+            } else {
+                items.join(", ")
+            }
+        };
+        let _ = write!(
+            self.functions,
+            "ROBOVEC_EXPORT casadi_int {name}_n_{side}(void)\n{{\n    return {length};\n}}\n\
+             ROBOVEC_EXPORT const char *{name}_name_{side}(casadi_int i)\n{{\n    \
+             static const char *const names[] = {{{}}};\n    \
+             return i >= 0 && i < {length} ? names[i] : 0;\n}}\n\
+             ROBOVEC_EXPORT const casadi_int *{name}_sparsity_{side}(casadi_int i)\n{{\n    \
+             static const casadi_int *const patterns[] = {{{}}};\n    \
+             return i >= 0 && i < {length} ? patterns[i] : 0;\n}}\n",
+            list(&names),
+            list(&patterns)
+        );
+    }
+
+    /// The number of a sparsity, which is written once.
+    fn number(&mut self, pattern: Vec<u32>) -> usize {
+        let next = self.numbers.len();
+        if let Some(&number) = self.numbers.get(&pattern) {
+            return number;
+        }
+        let numbers: Vec<String> = pattern.iter().map(u32::to_string).collect();
+        let lines: Vec<String> = numbers.chunks(16).map(|line| line.join(", ")).collect();
+        let _ = writeln!(
+            self.patterns,
+            "static const casadi_int robovec_pattern_{next}[] = {{{}}};",
+            lines.join(",\n    ")
+        );
+        self.numbers.insert(pattern, next);
+        next
+    }
+}
+
+/// A sparsity in CasADi's compressed form, of elements given column by column
+/// in rising order: rows, columns, where each column starts, the row of each
+/// element; rows, columns and 1 for a dense matrix.
+fn compressed([rows, columns]: [u32; 2], places: impl Iterator<Item = u64>) -> Vec<u32> {
+    let places: Vec<u64> = places.collect();
+    let mut pattern = vec![rows, columns];
+    if !places.is_empty() && places.len() as u64 == count([rows, columns]) {
+        pattern.push(1);
+        return pattern;
+    }
+    let rows = u64::from(rows);
+    let start = |column: u32| places.partition_point(|&place| place < u64::from(column) * rows);
+    pattern.extend((0..=columns).map(|column| start(column) as u32));
+    pattern.extend(places.iter().map(|place| (place % rows) as u32));
+    pattern
+}
+
+/// The head of the file: the integers of CasADi, and what a library shows.
+const HEAD: &str = "#ifndef casadi_int\n#define casadi_int long long int\n#endif\n\
+    #ifndef ROBOVEC_EXPORT\n\
+    #if defined(_WIN32)\n#define ROBOVEC_EXPORT __declspec(dllexport)\n\
+    #elif defined(__GNUC__)\n#define ROBOVEC_EXPORT __attribute__((visibility(\"default\")))\n\
+    #else\n#define ROBOVEC_EXPORT\n#endif\n#endif\n\n";

@@ -1,0 +1,303 @@
+//! The functions of CasADi's interface: the function with vectors in place of
+//! matrices, and its derivatives.
+
+use robovec_cgen::c::Options;
+use robovec_cgen::c::layout::{self, ElementOrder};
+use robovec_cgen::casadi::{CasadiArray, CasadiFunction, CasadiRole};
+use robovec_framework::manager::{self, Config};
+use robovec_framework::option_words;
+use robovec_framework::pass::{Artifact, Context, PassError};
+use robovec_framework::rewrite::without_dead;
+use robovec_ir::{
+    Array, Assignment, Function, Input, Level, Module, Node, Operand, OperandKind, Output, Shape,
+    Tables,
+};
+
+option_words! {
+    /// Derivatives that are written beside a function.
+    pub enum DerivativeOrder {
+        /// None.
+        None = "none",
+        /// Jacobian, and its products from either side.
+        First = "first",
+        /// Those of the first order, and the same of the product with weights.
+        Second = "second",
+    }
+}
+
+/// Writes the file for CasADi.
+pub(super) fn file(
+    function: &Function,
+    order: DerivativeOrder,
+    options: &Options,
+    context: &mut Context<'_>,
+) -> Result<Artifact, PassError> {
+    let symbols = &context.tables.symbols;
+    let arrays = |arrays: &[Array]| -> Vec<CasadiArray> {
+        let array = |array: &Array| CasadiArray {
+            name: symbols.text(array.name).to_owned(),
+            extents: layout::extents(array.shape),
+        };
+        arrays.iter().map(array).collect()
+    };
+    let given = GivenJacobians::new(function, context.tables);
+    let is_block = |array: &Array| {
+        let mut outputs = function.outputs().iter().zip(&given.is_block);
+        outputs.any(|(output, is_block)| output.name == array.name && *is_block)
+    };
+    let plain = only(function, |output| !is_block(output));
+    let (inputs, outputs) = (arrays(plain.inputs()), arrays(plain.outputs()));
+    let mut maker = DerivativeMaker { context };
+    let values = column_vectors(&plain, &vec![false; outputs.len()]);
+    let values = layout::without_zeros(values);
+    let mut parts = Vec::new();
+    let has_derivatives = plain.input_len() > 0 && plain.output_len() > 0;
+    if order != DerivativeOrder::None && has_derivatives {
+        let whole = column_vectors(function, &given.is_block);
+        parts.push((CasadiRole::Jacobian, maker.jacobian(&whole, &given)?));
+        let forward = maker.derivative(&values, "direction")?;
+        parts.push((CasadiRole::Forward, forward));
+        let adjoint = maker.derivative(&values, "gradient")?;
+        if order == DerivativeOrder::Second {
+            let hessian = maker.derivative(&adjoint, "jacobian")?;
+            parts.push((CasadiRole::AdjointJacobian, hessian));
+            let product = maker.derivative(&adjoint, "direction")?;
+            parts.push((CasadiRole::AdjointForward, product));
+        }
+        parts.push((CasadiRole::Adjoint, adjoint));
+    }
+    parts.push((CasadiRole::Values, values));
+    parts.sort_by_key(|(role, _)| *role);
+    let file = CasadiFunction {
+        name: function.name.clone(),
+        inputs,
+        outputs,
+        parts,
+    };
+    let (name, text) = file.file(context.tables, options);
+    Ok(Artifact { name, text })
+}
+
+/// The outputs of a function that are Jacobians of others, named as
+/// `differentiate` names them: `F_x`.
+struct GivenJacobians {
+    /// For every output array: true if it is a Jacobian.
+    is_block: Vec<bool>,
+    /// The inputs by which every other output has one.
+    by: Vec<usize>,
+}
+
+impl GivenJacobians {
+    fn new(function: &Function, tables: &Tables) -> GivenJacobians {
+        let text = |array: &Array| tables.symbols.text(array.name);
+        let (inputs, outputs) = (function.inputs(), function.outputs());
+        let named = |y: &Array, x: &Array| {
+            let name = format!("{}_{}", text(y), text(x));
+            let shape = match (y.shape, x.shape) {
+                (Shape::Vector(rows), Shape::Vector(columns)) => Shape::Matrix(rows, columns),
+                _ => return None,
+            };
+            outputs
+                .iter()
+                .position(|block| text(block) == name && block.shape == shape)
+        };
+        let mut is_block = vec![false; outputs.len()];
+        for (y, x) in outputs
+            .iter()
+            .flat_map(|y| inputs.iter().map(move |x| (y, x)))
+        {
+            if let Some(block) = named(y, x) {
+                is_block[block] = true;
+            }
+        }
+        let plain = || {
+            outputs
+                .iter()
+                .zip(&is_block)
+                .filter(|(_, is_block)| !**is_block)
+        };
+        let given = |x: &Array| plain().count() > 0 && plain().all(|(y, _)| named(y, x).is_some());
+        let by = (0..inputs.len()).filter(|&x| given(&inputs[x])).collect();
+        GivenJacobians { is_block, by }
+    }
+}
+
+/// Makes derivatives with the passes of the registry.
+struct DerivativeMaker<'a, 'b> {
+    context: &'a mut Context<'b>,
+}
+
+impl DerivativeMaker<'_, '_> {
+    /// The derivative of all outputs by all inputs, without the outputs.
+    fn derivative(&mut self, function: &Function, result: &str) -> Result<Function, PassError> {
+        let step = format!("atomise,differentiate{{result={result} values=false}}");
+        self.made(function.clone(), &format!("{step},{SHORTEN}"))
+    }
+
+    /// The Jacobian: the blocks that the function gives, and derivatives of
+    /// its outputs by the other inputs.
+    fn jacobian(
+        &mut self,
+        function: &Function,
+        given: &GivenJacobians,
+    ) -> Result<Function, PassError> {
+        let names = |arrays: Vec<&Array>, tables: &Tables| -> Vec<String> {
+            let names = arrays.into_iter();
+            names
+                .map(|array| tables.symbols.text(array.name).to_owned())
+                .collect()
+        };
+        let tables = &*self.context.tables;
+        let outputs = function.outputs().iter().zip(&given.is_block);
+        let of = outputs
+            .filter(|(_, is_block)| !**is_block)
+            .map(|(array, _)| array);
+        let of = names(of.collect(), tables);
+        let by = names(function.inputs().iter().collect(), tables);
+        let missing = (0..by.len()).filter(|x| !given.by.contains(x));
+        let missing: Vec<&str> = missing.map(|x| by[x].as_str()).collect();
+        let blocks = of
+            .iter()
+            .flat_map(|y| by.iter().map(move |x| format!("{y}_{x}")));
+        let blocks: Vec<String> = blocks.collect();
+        // A block that only some outputs have is made anew.
+        let is_kept = |output: &Array| {
+            let name = tables.symbols.text(output.name);
+            let is_given = |x: &&usize| of.iter().any(|y| *name == format!("{y}_{}", by[**x]));
+            of.iter().any(|y| y == name) || given.by.iter().any(|x| is_given(&x))
+        };
+        let mut whole = only(function, is_kept);
+        if !missing.is_empty() {
+            let (of, by) = (of.join("+"), missing.join("+"));
+            let step = format!("atomise,differentiate{{of={of} by={by}}}");
+            whole = self.made(whole, &step)?;
+        }
+        let symbols = &self.context.tables.symbols;
+        let ordered = blocks.iter().map(|name| {
+            let mut outputs = whole.outputs().iter();
+            let found = outputs.find(|output| symbols.text(output.name) == name);
+            *found.expect("every block is given or made")
+        });
+        let ordered = with_outputs(&whole, &ordered.collect::<Vec<Array>>());
+        self.made(ordered, SHORTEN)
+    }
+
+    /// The function after a pipeline of which every step is proved.
+    fn made(&mut self, function: Function, passes: &str) -> Result<Function, PassError> {
+        let pipeline = self.context.registry.pipeline(passes);
+        let pipeline = pipeline.map_err(|error| PassError::new(error.to_string()))?;
+        let mut module = Module {
+            tables: std::mem::take(self.context.tables),
+            functions: vec![function],
+        };
+        let mut log = std::io::sink();
+        let config = Config {
+            rules: Some(self.context.rules),
+            check_each: Some(POINTS),
+            remarks: false,
+            records: false,
+            ..Config::new(self.context.machine, &mut log)
+        };
+        let outcome = manager::run(&mut module, &pipeline, config);
+        *self.context.tables = module.tables;
+        outcome.map_err(|error| PassError::new(error.to_string()))?;
+        Ok(module.functions.remove(0))
+    }
+}
+
+/// Points at which every step of a derivative is checked.
+const POINTS: u32 = 2;
+
+/// The passes that shorten a derivative.
+const SHORTEN: &str = "fold,cse,dce,$cpu";
+
+/// The function with the output arrays that are wanted, and what they need.
+fn only(function: &Function, is_wanted: impl Fn(&Array) -> bool) -> Function {
+    let outputs = function.outputs().iter().copied();
+    let outputs: Vec<Array> = outputs.filter(is_wanted).collect();
+    with_outputs(function, &outputs)
+}
+
+/// The function with some of its output arrays, in this order.
+fn with_outputs(function: &Function, outputs: &[Array]) -> Function {
+    let mut new = started(function);
+    for array in function.inputs() {
+        new.add_input(array.name, array.shape);
+    }
+    for node in function.nodes() {
+        new.push(*node);
+    }
+    for array in outputs {
+        let made = new.add_output(array.name, array.shape);
+        let (first, length) = (array.offset, array.shape.len() as u32);
+        let sets = function
+            .assignments
+            .iter()
+            .filter(|set| (first..first + length).contains(&set.output.0));
+        new.assignments.extend(sets.map(|set| Assignment {
+            output: Output(set.output.0 - first + made.offset),
+            ..*set
+        }));
+    }
+    new.sort_assignments();
+    without_dead(new)
+}
+
+/// The function with vectors for all arrays but Jacobians: matrices column by
+/// column, scalars as one element.
+fn column_vectors(function: &Function, is_block: &[bool]) -> Function {
+    let mut new = started(function);
+    for array in function.inputs() {
+        new.add_input(array.name, Shape::Vector(array.shape.len() as u32));
+    }
+    for (array, is_block) in function.outputs().iter().zip(is_block) {
+        let shape = match is_block {
+            true => array.shape,
+            false => Shape::Vector(array.shape.len() as u32),
+        };
+        new.add_output(array.name, shape);
+    }
+    let moved = |array: &Array, element: u32| {
+        array.offset + layout::place(array, element - array.offset, ElementOrder::Column)
+    };
+    let operand = |operand: Operand| match operand.kind() {
+        OperandKind::Input(input) => {
+            let (array, ..) = function.input_element(input);
+            Input(moved(array, input.0)).into()
+        }
+        _ => operand,
+    };
+    for node in function.nodes() {
+        new.push(Node {
+            operands: node.operands.map(operand),
+            ..*node
+        });
+    }
+    let assignments = function.assignments.iter().map(|set| {
+        let array = function.output_array(set.output);
+        let output = match is_block[array] {
+            true => set.output.0,
+            false => moved(&function.outputs()[array], set.output.0),
+        };
+        Assignment {
+            output: Output(output),
+            operand: operand(set.operand),
+            ..*set
+        }
+    });
+    new.assignments = assignments.collect();
+    new.sort_assignments();
+    new
+}
+
+/// An empty function with the constants of another; a schedule is gone.
+fn started(function: &Function) -> Function {
+    let level = function.level.min(Level::Atomic);
+    let mut new = Function::new(&function.name, level);
+    new.metadata.clone_from(&function.metadata);
+    new.boundaries.clone_from(&function.boundaries);
+    for &number in function.constants() {
+        new.constant(number);
+    }
+    new
+}
