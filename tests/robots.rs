@@ -3,6 +3,7 @@
 
 mod account;
 mod draw;
+mod frames;
 mod losses;
 mod refusals;
 mod shipped;

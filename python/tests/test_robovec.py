@@ -369,7 +369,7 @@ class Documentation(unittest.TestCase):
         os.chdir(ROOT)
         try:
             pages = ["README.md", "docs/python.md", "docs/tutorials.md"]
-            for page in pages + (["docs/casadi.md"] if ca else []):
+            for page in pages + (["docs/casadi.md", "docs/robots.md"] if ca else []):
                 text = (ROOT / page).read_text()
                 blocks = re.findall(r"```python\n(.*?)```", text, re.S)
                 self.assertGreater(len(blocks), 0, page)

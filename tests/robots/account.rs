@@ -14,8 +14,8 @@ pub(super) type Motion = (f64, f64);
 
 /// Freedom of a link: a direction in the world, and for a turn a point on it.
 #[derive(Clone)]
-struct Freedom {
-    name: String,
+pub(super) struct Freedom {
+    pub(super) name: String,
     axis: Vector,
     point: Option<Vector>,
 }
@@ -23,15 +23,15 @@ struct Freedom {
 /// A frame in the world: its pose and its motion without accelerations of the
 /// joints.
 #[derive(Clone)]
-struct WorldFrame {
-    rotation: Matrix,
-    origin: Vector,
-    spin: Vector,
+pub(super) struct WorldFrame {
+    pub(super) rotation: Matrix,
+    pub(super) origin: Vector,
+    pub(super) spin: Vector,
     /// Of the spin.
-    rate: Vector,
+    pub(super) rate: Vector,
     /// Of the origin.
-    acceleration: Vector,
-    freedoms: Vec<Freedom>,
+    pub(super) acceleration: Vector,
+    pub(super) freedoms: Vec<Freedom>,
 }
 
 /// The mass matrix and the forces at rest and in motion, by names of freedoms.
@@ -39,6 +39,8 @@ struct WorldFrame {
 pub(super) struct Account {
     pub(super) mass: BTreeMap<(String, String), f64>,
     pub(super) bias: BTreeMap<String, f64>,
+    /// The frame of every link.
+    pub(super) frames: Vec<WorldFrame>,
 }
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -119,6 +121,19 @@ impl WorldFrame {
             acceleration: [0.0; 3],
             freedoms: Vec::new(),
         }
+    }
+
+    /// Velocity of the origin and angular velocity for a unit of each freedom.
+    pub(super) fn columns(&self) -> Vec<(Vector, Vector)> {
+        let freedoms = self.freedoms.iter();
+        let column = |freedom: &Freedom| match freedom.point {
+            None => (freedom.axis, [0.0; 3]),
+            Some(point) => {
+                let arm = add(self.origin, scaled(point, -1.0));
+                (cross(freedom.axis, arm), freedom.axis)
+            }
+        };
+        freedoms.map(column).collect()
     }
 
     /// Moved by an offset in the world that is fixed to the frame.
@@ -235,6 +250,7 @@ impl Account {
             account.weigh(&robot.links[index + 1], &frame);
             frames.push(frame);
         }
+        account.frames = frames;
         account
     }
 
@@ -247,17 +263,7 @@ impl Account {
         let push = scaled(add(frame.acceleration, scaled(GRAVITY, -1.0)), link.mass);
         let gyration = cross(frame.spin, times(&inertia, frame.spin));
         let twist = add(times(&inertia, frame.rate), gyration);
-        let columns: Vec<(Vector, Vector)> = frame
-            .freedoms
-            .iter()
-            .map(|freedom| match freedom.point {
-                None => (freedom.axis, [0.0; 3]),
-                Some(point) => {
-                    let arm = add(frame.origin, scaled(point, -1.0));
-                    (cross(freedom.axis, arm), freedom.axis)
-                }
-            })
-            .collect();
+        let columns = frame.columns();
         for (one, (velocity, spin)) in frame.freedoms.iter().zip(&columns) {
             *self.bias.entry(one.name.clone()).or_default() +=
                 dot(*velocity, push) + dot(*spin, twist);

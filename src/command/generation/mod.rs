@@ -19,6 +19,7 @@ use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::files::Replace;
 use robovec_io::sources;
+use robovec_ir::diagnostic::did_you_mean;
 use robovec_ir::{Module, print};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
@@ -187,15 +188,16 @@ fn kinds(names: &[String]) -> Result<Vec<FunctionKind>, CommandFailure> {
     if names.is_empty() {
         return Ok(vec![FunctionKind::Dirdyna]);
     }
-    let known = |name: &&String| *name == "all" || FunctionKind::from_name(name).is_some();
+    let known = |name: &&String| *name == "all" || FunctionKind::with_name(name).is_some();
     if let Some(name) = names.iter().find(|name| !known(name)) {
         return Err(input::no_such_kind(name));
     }
     // The parts of a whole step are generated on request only, as in Robotran.
     let asked = |kind: &FunctionKind| {
-        names
-            .iter()
-            .any(|name| name == kind.name() || name == "all" && !kind.is_special())
+        names.iter().any(|name| match name.as_str() {
+            "all" => !kind.is_special(),
+            name => FunctionKind::with_name(name) == Some(*kind),
+        })
     };
     Ok(FunctionKind::ALL.into_iter().filter(asked).collect())
 }
@@ -369,6 +371,7 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
         let before = module.functions.len();
         let wanted = (function, formulation);
         add(&mut module, &model, wanted, &options, arguments.jacobians)?;
+        keep_cases(&mut module, before, function, &arguments.function)?;
         if refuse_empty(&model, function, &module.functions[before..]).is_err() {
             empty.push(function);
         }
@@ -384,6 +387,44 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
         );
     }
     Ok(module)
+}
+
+/// Keeps the cases of a function that were requested by their names
+/// (`sensor_2`, `frame_tool0`), among the functions of a module from a first one
+/// on.
+fn keep_cases(
+    module: &mut Module,
+    first: usize,
+    kind: FunctionKind,
+    names: &[String],
+) -> Result<(), CommandFailure> {
+    let made = module.functions.split_off(first);
+    let own = names
+        .iter()
+        .filter(|name| FunctionKind::with_name(name) == Some(kind));
+    let own: Vec<&String> = own.collect();
+    if own.is_empty() || own.iter().any(|name| *name == kind.name()) {
+        module.functions.extend(made);
+        return Ok(());
+    }
+    if let Some(name) = own
+        .iter()
+        .find(|name| made.iter().all(|one| one.name != ***name))
+    {
+        let known: Vec<&str> = made.iter().map(|one| one.name.as_str()).collect();
+        let note = match did_you_mean(name, known.iter().copied()) {
+            Some(near) => format!("did you mean '{near}'?"),
+            None if known.is_empty() => format!("the model has no function '{}'", kind.name()),
+            None => format!("there are {}", known.join(", ")),
+        };
+        let message = format!("the model has no function '{name}'");
+        return Err(CommandFailure::advised(message, vec![note]));
+    }
+    let kept = made
+        .into_iter()
+        .filter(|one| own.iter().any(|name| **name == one.name));
+    module.functions.extend(kept);
+    Ok(())
 }
 
 /// Runs a pipeline over a module, for the machine of the thesis; remarks of

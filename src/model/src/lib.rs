@@ -52,6 +52,8 @@ pub struct Model {
     /// Points where an external force acts, in order of appearance; number =
     /// index + 1.
     pub forces: Vec<Sensor>,
+    /// Frames of bodies by name: the links of a robot.
+    pub frames: Vec<NamedFrame>,
     /// User models: named groups of parameters for the user's functions. The
     /// equations do not depend on them.
     pub user_models: Vec<UserModel>,
@@ -320,6 +322,19 @@ pub struct Sensor {
     pub asks: Asks,
 }
 
+/// A frame on a body, or on the base, that has a name.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NamedFrame {
+    /// Unique name.
+    pub name: String,
+    /// The body; `None` for the base.
+    pub body: Option<usize>,
+    /// Its origin in the body's frame, m.
+    pub origin: [f64; 3],
+    /// The matrix that takes components in it to those in the body's frame.
+    pub rotation: [[f64; 3]; 3],
+}
+
 /// Quantities requested from a sensor; all in the base frame.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Asks {
@@ -394,6 +409,7 @@ impl Model {
             links3d: Vec::new(),
             sensors: Vec::new(),
             forces: Vec::new(),
+            frames: Vec::new(),
             user_models: Vec::new(),
         }
     }

@@ -39,7 +39,7 @@ pub fn known_extent(name: &str, joints: u32) -> Option<(u32, u32)> {
         "dpt" => (3, 0),
         "g" | "sens.P" | "sens.V" | "sens.OM" | "sens.A" | "sens.OMP" => (3, 0),
         "sens.R" => (3, 3),
-        "sens.J" => (6, joints),
+        "sens.J" | "jacobian" | "jacobian_rate" => (6, joints),
         _ => return None,
     })
 }

@@ -44,11 +44,14 @@ pub enum FunctionKind {
     Minv,
     /// The forces of inverse dynamics for a unit of each inertia of a body.
     Regressor,
+    /// Pose, motion and Jacobian of every frame that has a name, one function
+    /// each.
+    Frame,
 }
 
 impl FunctionKind {
     /// All functions.
-    pub const ALL: [FunctionKind; 18] = [
+    pub const ALL: [FunctionKind; 19] = [
         FunctionKind::Dirdyna,
         FunctionKind::Invdyna,
         FunctionKind::ConsHJ,
@@ -67,6 +70,7 @@ impl FunctionKind {
         FunctionKind::Linear,
         FunctionKind::Minv,
         FunctionKind::Regressor,
+        FunctionKind::Frame,
     ];
 
     /// Robotran's name, without `mbs_`.
@@ -90,6 +94,7 @@ impl FunctionKind {
             FunctionKind::Linear => "linear",
             FunctionKind::Minv => "minv",
             FunctionKind::Regressor => "regressor",
+            FunctionKind::Frame => "frame",
         }
     }
 
@@ -114,7 +119,8 @@ impl FunctionKind {
             | FunctionKind::LoopPositions
             | FunctionKind::LoopVelocities
             | FunctionKind::Minv
-            | FunctionKind::Regressor => false,
+            | FunctionKind::Regressor
+            | FunctionKind::Frame => false,
         }
     }
 
@@ -132,7 +138,7 @@ impl FunctionKind {
 
     /// True for a function that is generated only when it is requested by name.
     pub fn is_special(self) -> bool {
-        self.is_part_of_step() || self.is_derived()
+        self.is_part_of_step() || self.is_derived() || self == FunctionKind::Frame
     }
 
     /// True for functions that Robotran does not have: derivatives, and
@@ -159,7 +165,7 @@ impl FunctionKind {
             FunctionKind::ConsJdqd => "F18",
             FunctionKind::Link => "F7",
             FunctionKind::Extforces => "F19",
-            FunctionKind::Sensor | FunctionKind::Gensensor => "F6",
+            FunctionKind::Sensor | FunctionKind::Gensensor | FunctionKind::Frame => "F6",
             FunctionKind::Accelred
             | FunctionKind::LoopPositions
             | FunctionKind::LoopVelocities
@@ -180,8 +186,11 @@ impl FunctionKind {
 
     /// The function with the result of this name: as
     /// [`FunctionKind::from_name`], and `sensor_3` is the third result of
-    /// `sensor`.
+    /// `sensor`, `frame_tool0` that of the frame `tool0`.
     pub fn with_name(name: &str) -> Option<FunctionKind> {
+        if name.starts_with("frame_") {
+            return Some(FunctionKind::Frame);
+        }
         let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
         FunctionKind::from_name(name)
             .or_else(|| FunctionKind::from_name(bare.trim_end_matches('_')))

@@ -21,7 +21,7 @@ fn meanings(array: &str) -> [IndexMeaning; 2] {
         // The columns of a regressor are numbers of bodies.
         "Y" | "q" | "qd" | "qdd" | "Qq" | "Qa" | "Qc" | "c" => [Coordinate, Other],
         "M" | "Minv" | "Qq_q" | "Qq_qd" | "qdd_q" | "qdd_qd" | "qdd_Qq" => [Coordinate, Coordinate],
-        "Jac" | "Juserc" | "sens.J" => [Other, Coordinate],
+        "Jac" | "Juserc" | "sens.J" | "jacobian" | "jacobian_rate" => [Other, Coordinate],
         "m" => [Body, Other],
         "l" | "In" | "frc" | "trq" => [Other, Body],
         // The Jacobians that laws of external forces are given.

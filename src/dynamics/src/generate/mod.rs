@@ -38,6 +38,7 @@ mod link;
 mod loads;
 mod lower;
 mod massless;
+mod named_frame;
 mod network;
 mod parameters;
 mod prefix;
@@ -351,7 +352,7 @@ fn within_limit(model: &Model, request: &GenerationRequest) -> Result<(), Genera
         FunctionKind::Dirdyna | FunctionKind::Accelred => {
             request.formulation != Formulation::Articulated
         }
-        FunctionKind::Gensensor => true,
+        FunctionKind::Gensensor | FunctionKind::Frame => true,
         _ if request.function.is_derived() => true,
         _ => false,
     };
@@ -410,6 +411,7 @@ pub fn refuse_empty(
         function: kind.name(),
         lacks: match kind {
             FunctionKind::Sensor => "sensors",
+            FunctionKind::Frame => "frames with names, as the links of a robot have",
             FunctionKind::Link => "links",
             FunctionKind::Extforces => "external forces",
             FunctionKind::ConsHJ
@@ -440,6 +442,7 @@ pub fn generate_into(
     let cases = match request.function {
         FunctionKind::Sensor => model.sensors.len() + model.forces.len(),
         FunctionKind::Gensensor => model.joints.len(),
+        FunctionKind::Frame => model.frames.len(),
         _ => 1,
     };
     let written: Vec<Equations> = (0..cases)
@@ -501,6 +504,7 @@ fn write(
         }
         FunctionKind::Minv => sensitivity::inverse(equations, parameters, options)?,
         FunctionKind::Regressor => regressor::write(equations, parameters, options),
+        FunctionKind::Frame => named_frame::write(equations, parameters, case),
     }
     equations.number_outputs();
     equations.close();
@@ -518,6 +522,10 @@ fn head(model: &Model, request: &GenerationRequest, case: usize) -> Function {
         // Cases count from 1 as sensors and joints do.
         name = format!("{name}_{}", case + 1);
         metadata.push(("case".to_owned(), (case + 1).to_string()));
+    }
+    if request.function == FunctionKind::Frame {
+        name = named_frame::function_name(model, case);
+        metadata.push(("frame".to_owned(), model.frames[case].name.clone()));
     }
     let mut function = Function::new(&name, Level::Equations);
     function.metadata = metadata;

@@ -2,7 +2,7 @@
 
 use super::RobotBase;
 use super::couplings::ResolvedMimic;
-use super::elements::{JointElement, RobotElements, UrdfJointKind};
+use super::elements::{JointElement, LinkElement, RobotElements, UrdfJointKind};
 use super::frames::{self, AxisFrame};
 use super::inertial::BodyInertia;
 use super::tree::RobotOrder;
@@ -10,7 +10,7 @@ use crate::rotation::{FramePose, Rotation3};
 use crate::xml::Messages;
 use crate::{
     Anchor, Axis, Body, Cut, CutKind, Joint, JointCoupling, JointKind, JointMounting, Model,
-    ModelPoint, Nature,
+    ModelPoint, NamedFrame, Nature,
 };
 use robovec_num::limits::Amount;
 use robovec_robotran::conventions::JOINTS;
@@ -110,6 +110,14 @@ pub(super) fn build(
         return None;
     }
     builder.couple(couplings);
+    let frames = robot.links.iter().zip(&links);
+    let frame = |(link, place): (&LinkElement, &LinkPlace)| NamedFrame {
+        name: link.name.clone(),
+        body: place.body,
+        origin: place.pose.origin,
+        rotation: place.pose.rotation.0,
+    };
+    builder.model.frames = frames.map(frame).collect();
     Some(builder.finish())
 }
 
