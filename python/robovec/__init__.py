@@ -85,7 +85,7 @@ def casadi(
     *,
     name: str | None = None,
     derivatives: str = "second",
-    passes: str = _casadi.PASSES,
+    passes: str = _casadi.QUICK_PASSES,
     formulation: str = "fewest",
     numbers: bool = True,
     forces: bool = False,

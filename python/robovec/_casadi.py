@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 FLAGS = ("-O3", "-march=native")
 
-PASSES = "atomise,specialise,optimise{for=operations}"
+PASSES = "atomise,fold,optimise{for=operations}"
+# Models come short, and with Jacobians they are long: a second of search.
+QUICK_PASSES = "atomise,fold,optimise{for=operations budget=300000}"
 
 
 def external(
@@ -109,6 +111,11 @@ def text_of(function: ca.Function, name: str) -> str:
         lines.append(f"  %v{k} = {expression}")
         work[to[0]] = f"%v{k}"
         constants.pop(to[0], None)
+    # An output without nonzeros has one all the same in the text.
+    for sparsity, array in zip((function.sparsity_out(i) for i in range(len(outputs))), outputs):
+        if sparsity.nnz() == 0:
+            first = "1" if sparsity.size2() == 1 else "1,1"
+            results.append(f"  {array}[{first}] = 0.0")
     return "\n".join([*lines, *results, "}", ""])
 
 

@@ -337,6 +337,50 @@ class Casadi(unittest.TestCase):
         for found, wanted in zip(fast.jacobian().call(at + [0, 0]), f.jacobian().call(at + [0, 0])):
             np.testing.assert_allclose(np.array(found), np.array(wanted), rtol=1e-13)
 
+    def test_random_functions_have_the_derivatives_of_casadi(self):
+        """Inputs and outputs of every shape, empty and unused ones among them."""
+        shapes = [(1, 1), (3, 1), (2, 2), (1, 3), (0, 1)]
+        operations = [
+            lambda a, b: a + b,
+            lambda a, b: a - b,
+            lambda a, b: a * b,
+            lambda a, b: a / (2 + b * b),
+            lambda a, b: ca.sin(a) * b,
+            lambda a, b: ca.sqrt(1 + a * a) - ca.cos(b),
+            lambda a, b: a**3 - 0.5,
+        ]
+
+        def drawn(seed):
+            draw = np.random.default_rng(seed)
+            pick = lambda items: items[draw.integers(len(items))]
+            given = [ca.SX.sym(f"x{i}", *pick(shapes)) for i in range(draw.integers(1, 4))]
+            pool = [x for part in given if part.numel() for x in ca.vertsplit(ca.vec(part))]
+            pool += [ca.SX(0.75), ca.SX(-2)]
+            pool += [pick(operations)(pick(pool), pick(pool)) for _ in range(20)]
+            made = [ca.SX(*pick(shapes[:4])) for _ in range(2)]
+            for part in made:
+                for k in range(part.numel()):
+                    if draw.uniform() < 0.6:
+                        part[k] = pick(pool)
+            return ca.Function(f"f{seed}", given, made)
+
+        def results(function):
+            x = [ca.MX.sym(f"x{i}", *function.size_in(i)) for i in range(function.n_in())]
+            total = sum(ca.sum1(ca.vec(part)) for part in function.call(x))
+            own = [part for part in x if part.numel()]
+            second = [ca.hessian(total, part)[0] for part in own]
+            whole = ca.Function("whole", x, [*function.call(x), *(ca.jacobian(total, part) for part in own), *second])
+            draw = np.random.default_rng(1)
+            found = whole.call([draw.uniform(-1, 1, part.shape) for part in x])
+            return [np.array(ca.densify(part), float) for part in found]
+
+        for seed in range(12):
+            function = drawn(seed)
+            fast = robovec.accelerate(function, flags=["-O0"])
+            self.assertEqual(fast.n_in(), function.n_in())
+            for found, wanted in zip(results(fast), results(function)):
+                np.testing.assert_allclose(found, wanted, rtol=1e-11, atol=1e-11, err_msg=f"seed {seed}")
+
     def test_what_is_not_taken_is_named(self):
         x = ca.SX.sym("x", 2)
         wrong = [

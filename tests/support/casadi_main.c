@@ -78,6 +78,8 @@ int main(void)
     print("adj1_g", adj1_g_n_in(), adj1_g_n_out(), adj1_g_name_out, adj1_g_sparsity_out);
     print("jac_adj1_g", jac_adj1_g_n_in(), jac_adj1_g_n_out(), jac_adj1_g_name_out, jac_adj1_g_sparsity_out);
     print("fwd1_adj1_g", fwd1_adj1_g_n_in(), fwd1_adj1_g_n_out(), fwd1_adj1_g_name_out, fwd1_adj1_g_sparsity_out);
+    print("fwd1_fwd1_g", fwd1_fwd1_g_n_in(), fwd1_fwd1_g_n_out(), fwd1_fwd1_g_name_out, fwd1_fwd1_g_sparsity_out);
+    print("adj1_fwd1_g", adj1_fwd1_g_n_in(), adj1_fwd1_g_n_out(), adj1_fwd1_g_name_out, adj1_fwd1_g_sparsity_out);
     if (g_name_in(3) || g_sparsity_in(-1) || g_sparsity_out(3)) failed = 1;
 
     values(g, g_sparsity_out, 3, arg, y);
@@ -142,12 +144,36 @@ int main(void)
         }
     for (int c = 0; c < NX; c++) agree("jac_adj1", sums[c], product[c], 1e-14);
 
+    /* The same from directions: along other directions, and back from weights. */
+    double e[NX], twice[NY], back[NX + NY + NX];
+    for (int c = 0; c < NX; c++) e[c] = 0.4 - 0.15 * c;
+    const double *along[MOST] = {x, x + 1, x + 4, 0, 0, 0, d, d + 1, d + 4, 0, 0, 0,
+                                 e, e + 1, e + 4, 0, 0, 0, 0, 0, 0};
+    values(fwd1_fwd1_g, fwd1_fwd1_g_sparsity_out, 3, along, twice);
+    const double *returned[MOST] = {x, x + 1, x + 4, 0, 0, 0, d, d + 1, d + 4, 0, 0, 0, w, w + 2, w + 8};
+    values(adj1_fwd1_g, adj1_fwd1_g_sparsity_out, 9, returned, back);
+    double forth = 0, to = 0;
+    for (int r = 0; r < NY; r++) forth += w[r] * twice[r];
+    for (int c = 0; c < NX; c++) {
+        to += back[c] * e[c];
+        agree("adj1_fwd1", back[NX + NY + c], adj[c], 1e-14);
+    }
+    agree("fwd1_fwd1", forth, to, 1e-14);
+    for (int side = 1; side >= -1; side -= 2) {
+        double moved[NX], end[NY];
+        for (int c = 0; c < NX; c++) moved[c] = x[c] + side * h * e[c];
+        const double *there[MOST] = {moved, moved + 1, moved + 4, 0, 0, 0, d, d + 1, d + 4};
+        values(fwd1_g, fwd1_g_sparsity_out, 3, there, end);
+        for (int r = 0; r < NY; r++) twice[r] -= side * end[r] / (2 * h);
+    }
+    for (int r = 0; r < NY; r++) agree("fwd1_fwd1 and differences", twice[r], 0, 1e-8);
+
     /* Arrays that are not given are zero; results nobody asks for are left out. */
-    double e = 7, work[64];
+    double sum = 7, work[64];
     const double *none[3] = {0, x + 1, 0};
-    double *one[3] = {0, 0, &e};
+    double *one[3] = {0, 0, &sum};
     g(none, one, 0, work, 0);
-    agree("e", e, x[1] * x[2] * x[3], 1e-15);
+    agree("e", sum, x[1] * x[2] * x[3], 1e-15);
     printf(failed ? "they differ\n" : "they agree\n");
     return failed;
 }

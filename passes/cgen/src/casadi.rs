@@ -10,6 +10,8 @@
 //! | `fwd1_F` | `x`, `out_y`, `fwd_x` | Jacobian times direction |
 //! | `adj1_F` | `x`, `out_y`, `adj_y` | transposed Jacobian times weights |
 //! | `jac_adj1_F`, `fwd1_adj1_F` | those of `adj1_F` and more | second derivatives |
+//! | `fwd1_fwd1_F`, `adj1_fwd1_F` | those of `fwd1_F` and more | second derivatives |
+//! | `fwd1_jac_F`, `adj1_jac_F` | those of `jac_F` and more | second derivatives |
 //!
 //! All arrays of the equations are vectors, matrices column by column, so that
 //! CasADi's memory is read and written directly. Results `out_y` that are given
@@ -36,6 +38,14 @@ pub enum CasadiRole {
     AdjointJacobian,
     /// The Jacobian of [`CasadiRole::Adjoint`] times a direction.
     AdjointForward,
+    /// The Jacobian of [`CasadiRole::Forward`] times a direction.
+    ForwardForward,
+    /// The transposed Jacobian of [`CasadiRole::Forward`] times weights.
+    ForwardAdjoint,
+    /// The Jacobian of [`CasadiRole::Jacobian`] times a direction.
+    JacobianForward,
+    /// The transposed Jacobian of [`CasadiRole::Jacobian`] times weights.
+    JacobianAdjoint,
 }
 
 impl CasadiRole {
@@ -48,6 +58,10 @@ impl CasadiRole {
             CasadiRole::Adjoint => "adj1_",
             CasadiRole::AdjointJacobian => "jac_adj1_",
             CasadiRole::AdjointForward => "fwd1_adj1_",
+            CasadiRole::ForwardForward => "fwd1_fwd1_",
+            CasadiRole::ForwardAdjoint => "adj1_fwd1_",
+            CasadiRole::JacobianForward => "fwd1_jac_",
+            CasadiRole::JacobianAdjoint => "adj1_jac_",
         }
     }
 }
@@ -101,11 +115,11 @@ impl CasadiFunction {
         (format!("{}_casadi.c", self.name), text)
     }
 
-    /// The equations of the function itself, without zeros.
-    fn values(&self) -> &Function {
-        let mut parts = self.parts.iter();
-        let found = parts.find(|(role, _)| *role == CasadiRole::Values);
-        &found.expect("the function itself is one of its parts").1
+    /// The equations of another role, without zeros.
+    fn equations(&self, wanted: CasadiRole) -> Function {
+        let found = self.parts.iter().find(|(role, _)| *role == wanted);
+        let (_, function) = found.expect("products come with what they are of");
+        layout::without_zeros(function.clone())
     }
 
     fn most_outputs(&self) -> u64 {
@@ -128,8 +142,18 @@ impl CasadiFunction {
             CasadiRole::Values | CasadiRole::Jacobian | CasadiRole::AdjointJacobian => {
                 (inner, true)
             }
-            CasadiRole::Forward => (layout::with_elements_of(inner, self.values()), true),
-            CasadiRole::Adjoint | CasadiRole::AdjointForward => (inner, false),
+            CasadiRole::Forward | CasadiRole::ForwardForward => {
+                let values = self.equations(CasadiRole::Values);
+                (layout::with_elements_of(inner, &values), true)
+            }
+            CasadiRole::JacobianForward => {
+                let jacobian = self.equations(CasadiRole::Jacobian);
+                (layout::with_elements_of(inner, &jacobian), true)
+            }
+            CasadiRole::Adjoint
+            | CasadiRole::AdjointForward
+            | CasadiRole::ForwardAdjoint
+            | CasadiRole::JacobianAdjoint => (inner, false),
         };
         inner.name = format!("robovec_{name}");
         let options = Options {
@@ -208,9 +232,59 @@ impl CasadiFunction {
                 real(ys, "fwd_adj_", nx + ny + nx),
             ],
             (CasadiRole::AdjointForward, true) => vec![real(xs, "fwd_adj_", 0)],
+            (CasadiRole::ForwardForward, false) => vec![
+                real(xs, "", 0),
+                empty(ys, "out_"),
+                real(xs, "fwd_", nx),
+                empty(ys, "out_fwd_"),
+                real(xs, "fwd2_", 2 * nx),
+                empty(ys, "fwd2_out_"),
+                real(xs, "fwd2_fwd_", 3 * nx),
+            ],
+            (CasadiRole::ForwardForward, true) => vec![real(ys, "fwd2_fwd_", 0)],
+            (CasadiRole::ForwardAdjoint, false) => vec![
+                real(xs, "", 0),
+                empty(ys, "out_"),
+                real(xs, "fwd_", nx),
+                empty(ys, "out_fwd_"),
+                real(ys, "adj_fwd_", 2 * nx),
+            ],
+            (CasadiRole::JacobianForward, false) => vec![
+                real(xs, "", 0),
+                empty(ys, "out_"),
+                empty(&blocks_of(ys, xs), "out_"),
+                real(xs, "fwd_", nx),
+                empty(ys, "fwd_out_"),
+            ],
+            (CasadiRole::JacobianForward, true) => vec![real(&blocks_of(ys, xs), "fwd_", 0)],
+            (CasadiRole::JacobianAdjoint, false) => vec![
+                real(xs, "", 0),
+                empty(ys, "out_"),
+                empty(&blocks_of(ys, xs), "out_"),
+                real(&blocks_of(ys, xs), "adj_", nx),
+            ],
+            (CasadiRole::JacobianAdjoint, true) => {
+                vec![real(xs, "adj_", 0), empty(ys, "adj_out_")]
+            }
+            (CasadiRole::ForwardAdjoint, true) => vec![
+                real(xs, "adj_", 0),
+                empty(ys, "adj_out_"),
+                real(xs, "adj_fwd_", nx),
+            ],
         };
         blocks.into_iter().flatten().collect()
     }
+}
+
+/// The blocks of the Jacobian of the function as arrays.
+fn blocks_of(ys: &[CasadiArray], xs: &[CasadiArray]) -> Vec<CasadiArray> {
+    let port = |array: &CasadiArray| CasadiPort {
+        array: array.clone(),
+        source: Some(0),
+    };
+    let [ys, xs] = [ys, xs].map(|arrays| arrays.iter().map(port).collect::<Vec<_>>());
+    let blocks = jacobian(&ys, &xs).into_iter();
+    blocks.map(|block| block.array).collect()
 }
 
 /// The blocks of a Jacobian: for every row array one for each column array, of

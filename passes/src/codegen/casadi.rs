@@ -49,21 +49,30 @@ pub(super) fn file(
     let (inputs, outputs) = (arrays(plain.inputs()), arrays(plain.outputs()));
     let mut maker = DerivativeMaker { context };
     let values = column_vectors(&plain, &vec![false; outputs.len()]);
-    let values = layout::without_zeros(values);
     let mut parts = Vec::new();
     let has_derivatives = plain.input_len() > 0 && plain.output_len() > 0;
     if order != DerivativeOrder::None && has_derivatives {
         let whole = column_vectors(function, &given.is_block);
-        parts.push((CasadiRole::Jacobian, maker.jacobian(&whole, &given)?));
+        let jacobian = maker.jacobian(&whole, &given)?;
         let forward = maker.derivative(&values, "direction")?;
-        parts.push((CasadiRole::Forward, forward));
         let adjoint = maker.derivative(&values, "gradient")?;
         if order == DerivativeOrder::Second {
             let hessian = maker.derivative(&adjoint, "jacobian")?;
             parts.push((CasadiRole::AdjointJacobian, hessian));
             let product = maker.derivative(&adjoint, "direction")?;
             parts.push((CasadiRole::AdjointForward, product));
+            let product = maker.derivative(&jacobian, "direction")?;
+            parts.push((CasadiRole::JacobianForward, product));
+            let product = maker.derivative(&jacobian, "gradient")?;
+            parts.push((CasadiRole::JacobianAdjoint, product));
+            let along = with_other_directions(&forward, values.inputs(), maker.context.tables);
+            let twice = maker.derivative(&along, "direction")?;
+            parts.push((CasadiRole::ForwardForward, twice));
+            let back = maker.derivative(&along, "gradient")?;
+            parts.push((CasadiRole::ForwardAdjoint, back));
         }
+        parts.push((CasadiRole::Jacobian, jacobian));
+        parts.push((CasadiRole::Forward, forward));
         parts.push((CasadiRole::Adjoint, adjoint));
     }
     parts.push((CasadiRole::Values, values));
@@ -287,6 +296,30 @@ fn column_vectors(function: &Function, is_block: &[bool]) -> Function {
     });
     new.assignments = assignments.collect();
     new.sort_assignments();
+    new
+}
+
+/// The function with other names for the inputs after those of a function, which
+/// are directions, so that it has directions again.
+fn with_other_directions(function: &Function, inputs: &[Array], tables: &mut Tables) -> Function {
+    let mut new = started(function);
+    for (number, array) in function.inputs().iter().enumerate() {
+        let name = match number < inputs.len() {
+            true => array.name,
+            false => {
+                let name = format!("{}_first", tables.symbols.text(array.name));
+                tables.symbols.intern(&name)
+            }
+        };
+        new.add_input(name, array.shape);
+    }
+    for array in function.outputs() {
+        new.add_output(array.name, array.shape);
+    }
+    for node in function.nodes() {
+        new.push(*node);
+    }
+    new.assignments.clone_from(&function.assignments);
     new
 }
 

@@ -38,6 +38,15 @@ pub(crate) struct WorstErrors {
     pub(crate) proved: Option<f64>,
 }
 
+impl WorstErrors {
+    /// The largest error that is known: that of the search, or that of other
+    /// states, of which more than the bound is due to an array that vanishes.
+    pub(crate) fn with_sampled(self, sampled: f64) -> f64 {
+        self.found
+            .max(sampled.min(self.proved.unwrap_or(f64::INFINITY)))
+    }
+}
+
 /// The largest errors of a program in a number format for the function `exact`,
 /// in the ranges of the states. Sizes of arrays are those of the scene, or
 /// estimated. Fails when the program computes other arrays.

@@ -155,7 +155,8 @@ pub fn front(
         let choice = &choices[number];
         let program = workshop.program(choice.formulation, &choice.stages)?;
         let format = point.format.parse().expect("formats of choices are valid");
-        point.found = Some(worst(&module, (&program, format), &function.states, None)?.found);
+        let found = worst(&module, (&program, format), &function.states, None)?;
+        point.found = Some(found.with_sampled(point.normwise.worst));
     }
     Ok(Explored::Whole(front))
 }

@@ -122,9 +122,9 @@ pub struct OptimisationPoint {
     /// every state its largest error over its largest element, the median and
     /// the worst.
     pub errors: Option<[f64; 2]>,
-    /// The largest error of a directed search in the ranges, of rows of the
-    /// front: over the largest element of the array or, if that is larger, the
-    /// usual size of the array.
+    /// The largest error of a directed search in the ranges and of the random
+    /// states, of rows of the front: over the largest element of the array or,
+    /// in the search, the usual size of the array if that is larger.
     pub found: Option<f64>,
     /// Bound of that error for every state in the ranges, where there is one.
     pub proved: Option<f64>,
@@ -285,8 +285,9 @@ pub fn optimise(
         let program = (&*modules[index], measure::format(question));
         let worst = worst(exact, program, question.states, question.scene);
         let worst = worst.map_err(ExplorationError::from)?;
-        optimised.points[index].found = Some(worst.found);
-        optimised.points[index].proved = worst.proved;
+        let point = &mut optimised.points[index];
+        point.found = Some(worst.with_sampled(point.errors.map_or(0.0, |[_, worst]| worst)));
+        point.proved = worst.proved;
     }
     Ok(optimised)
 }
