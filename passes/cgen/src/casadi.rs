@@ -18,7 +18,7 @@
 //! are not needed, and their sparsity is empty.
 
 use crate::c::layout;
-use crate::c::{self, ElementOrder, Layout, Options, OutputLayout, Signature};
+use crate::c::{self, ElementOrder, Layout, Options, OutputLayout, Signature, Sines};
 use robovec_ir::{Function, Tables, View};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -156,7 +156,13 @@ impl CasadiFunction {
             | CasadiRole::JacobianAdjoint => (inner, false),
         };
         inner.name = format!("robovec_{name}");
+        // The loop takes as long for one angle as for eight.
+        let sines = match options.sines {
+            Sines::Inline if c::angles(&inner) <= FEW_ANGLES => Sines::Library,
+            sines => sines,
+        };
         let options = Options {
+            sines,
             signature: Signature::Plain,
             is_local: true,
             layout: Layout::FromZero {
@@ -451,6 +457,9 @@ fn compressed([rows, columns]: [u32; 2], places: impl Iterator<Item = u64>) -> V
     pattern.extend(places.iter().map(|place| (place % rows) as u32));
     pattern
 }
+
+/// Number of angles whose sines the C library computes faster than the loop.
+const FEW_ANGLES: usize = 2;
 
 /// The head of the file: the integers of CasADi, and what a library shows.
 const HEAD: &str = "#ifndef casadi_int\n#define casadi_int long long int\n#endif\n\

@@ -43,8 +43,10 @@ pub use trial::{TrialState, minimal_data, trial_main};
 use interface::Interface;
 use layout::OutputLayouts;
 use parts::CodePlan;
+use robovec_analysis::slice::live;
 use robovec_framework::option_words;
 use robovec_ir::{Array, Assignment, Function, Name, Node, Operand, Operation, View};
+use sines::Slots;
 use std::borrow::Cow;
 use text::PlainWriter;
 
@@ -190,6 +192,12 @@ pub fn output_layouts(
     is_sparse: bool,
 ) -> Vec<OutputLayout> {
     OutputLayouts::new(function, order, is_sparse).arrays
+}
+
+/// The number of angles whose sines and cosines [`Sines::Inline`] computes in its
+/// loop.
+pub fn angles(function: &Function) -> usize {
+    Slots::new(function, &live(function)).angles().len()
 }
 
 /// The name of the C function.
