@@ -103,13 +103,12 @@ impl CasadiFunction {
         for (role, function) in &self.parts {
             self.part(&mut writer, *role, View { tables, function }, options);
         }
-        let zeros = self.inputs.iter().map(|array| count(array.extents)).max();
         let text = format!(
             "/* {} for CasADi, by robovec: compile it into a library and load it with casadi.external. */\n\
              {HEAD}{}\nstatic const double robovec_zeros[{}] = {{0}};\n{}",
             self.name,
             writer.patterns,
-            zeros.unwrap_or(0).max(self.most_outputs()).max(1),
+            writer.zeros.max(1),
             writer.functions
         );
         (format!("{}_casadi.c", self.name), text)
@@ -120,11 +119,6 @@ impl CasadiFunction {
         let found = self.parts.iter().find(|(role, _)| *role == wanted);
         let (_, function) = found.expect("products come with what they are of");
         layout::without_zeros(function.clone())
-    }
-
-    fn most_outputs(&self) -> u64 {
-        let counts = self.outputs.iter().map(|array| count(array.extents));
-        counts.max().unwrap_or(0)
     }
 
     /// Writes one function of the interface.
@@ -180,141 +174,141 @@ impl CasadiFunction {
         writer.functions.push('\n');
         writer.functions += &source;
         let called = c::function_name(view, &options);
-        let ports = [self.ports(role, false), self.ports(role, true)];
+        let ports = groups(role).map(|groups| self.ports(&groups));
         writer.interface(&name, &called, &ports, &layouts);
     }
 
-    /// Inputs or outputs of a role, in CasADi's order.
-    fn ports(&self, role: CasadiRole, is_output: bool) -> Vec<CasadiPort> {
+    /// Inputs or outputs of a role, in CasADi's order. The equations have theirs
+    /// in the same order.
+    fn ports(&self, groups: &[PortGroup]) -> Vec<CasadiPort> {
+        let mut sources = 0..;
+        let mut ports = Vec::new();
+        for &PortGroup(prefix, over, is_given) in groups {
+            for (array, is_there) in self.arrays(over) {
+                ports.push(CasadiPort {
+                    array: named(prefix, &array),
+                    source: (is_given && is_there).then(|| sources.next().expect("it has no end")),
+                });
+            }
+        }
+        ports
+    }
+
+    /// The arrays of a group, and a flag: true for one that equations can have.
+    fn arrays(&self, over: PortArrays) -> Vec<(CasadiArray, bool)> {
+        let all = |prefix: &str, arrays: &[CasadiArray], is_there: bool| -> Vec<_> {
+            let named = arrays.iter().map(|array| (named(prefix, array), is_there));
+            named.collect()
+        };
         let (xs, ys) = (&self.inputs, &self.outputs);
-        // Arrays that the equations have, from a first one on.
-        let real = |arrays: &[CasadiArray], prefix: &str, first: usize| -> Vec<CasadiPort> {
-            let numbered = arrays.iter().enumerate();
-            let port = |(index, array): (usize, &CasadiArray)| CasadiPort {
-                array: named(prefix, array),
-                source: Some(first + index),
-            };
-            numbered.map(port).collect()
-        };
-        let empty = |arrays: &[CasadiArray], prefix: &str| -> Vec<CasadiPort> {
-            let port = |array: &CasadiArray| CasadiPort {
-                array: named(prefix, array),
-                source: None,
-            };
-            arrays.iter().map(port).collect()
-        };
-        let (nx, ny) = (xs.len(), ys.len());
-        let blocks = match (role, is_output) {
-            (CasadiRole::Values, false) => vec![real(xs, "", 0)],
-            (CasadiRole::Values, true) => vec![real(ys, "", 0)],
-            (CasadiRole::Jacobian, false) => vec![real(xs, "", 0), empty(ys, "out_")],
-            (CasadiRole::Jacobian, true) => vec![jacobian(&real(ys, "", 0), &real(xs, "", 0))],
-            (CasadiRole::Forward, false) => {
-                vec![real(xs, "", 0), empty(ys, "out_"), real(xs, "fwd_", nx)]
+        match over {
+            PortArrays::Inputs => all("", xs, true),
+            PortArrays::Outputs => all("", ys, true),
+            PortArrays::Blocks => blocks(&all("", ys, true), &all("", xs, true)),
+            PortArrays::AdjointBlocks => {
+                let columns = [
+                    all("", xs, true),
+                    all("out_", ys, false),
+                    all("adj_", ys, true),
+                ];
+                blocks(&all("adj_", xs, true), &columns.concat())
             }
-            (CasadiRole::Forward, true) => vec![real(ys, "fwd_", 0)],
-            (CasadiRole::Adjoint, false) => {
-                vec![real(xs, "", 0), empty(ys, "out_"), real(ys, "adj_", nx)]
-            }
-            (CasadiRole::Adjoint, true) => vec![real(xs, "adj_", 0)],
-            (CasadiRole::AdjointJacobian, false) => vec![
-                real(xs, "", 0),
-                empty(ys, "out_"),
-                real(ys, "adj_", nx),
-                empty(xs, "out_adj_"),
-            ],
-            (CasadiRole::AdjointJacobian, true) => {
-                let (inputs, weights) = (real(xs, "", 0), real(ys, "adj_", nx));
-                let columns = [inputs, empty(ys, "out_"), weights].into_iter().flatten();
-                vec![jacobian(&real(xs, "adj_", 0), &columns.collect::<Vec<_>>())]
-            }
-            (CasadiRole::AdjointForward, false) => vec![
-                real(xs, "", 0),
-                empty(ys, "out_"),
-                real(ys, "adj_", nx),
-                empty(xs, "out_adj_"),
-                real(xs, "fwd_", nx + ny),
-                empty(ys, "fwd_out_"),
-                real(ys, "fwd_adj_", nx + ny + nx),
-            ],
-            (CasadiRole::AdjointForward, true) => vec![real(xs, "fwd_adj_", 0)],
-            (CasadiRole::ForwardForward, false) => vec![
-                real(xs, "", 0),
-                empty(ys, "out_"),
-                real(xs, "fwd_", nx),
-                empty(ys, "out_fwd_"),
-                real(xs, "fwd2_", 2 * nx),
-                empty(ys, "fwd2_out_"),
-                real(xs, "fwd2_fwd_", 3 * nx),
-            ],
-            (CasadiRole::ForwardForward, true) => vec![real(ys, "fwd2_fwd_", 0)],
-            (CasadiRole::ForwardAdjoint, false) => vec![
-                real(xs, "", 0),
-                empty(ys, "out_"),
-                real(xs, "fwd_", nx),
-                empty(ys, "out_fwd_"),
-                real(ys, "adj_fwd_", 2 * nx),
-            ],
-            (CasadiRole::JacobianForward, false) => vec![
-                real(xs, "", 0),
-                empty(ys, "out_"),
-                empty(&blocks_of(ys, xs), "out_"),
-                real(xs, "fwd_", nx),
-                empty(ys, "fwd_out_"),
-            ],
-            (CasadiRole::JacobianForward, true) => vec![real(&blocks_of(ys, xs), "fwd_", 0)],
-            (CasadiRole::JacobianAdjoint, false) => vec![
-                real(xs, "", 0),
-                empty(ys, "out_"),
-                empty(&blocks_of(ys, xs), "out_"),
-                real(&blocks_of(ys, xs), "adj_", nx),
-            ],
-            (CasadiRole::JacobianAdjoint, true) => {
-                vec![real(xs, "adj_", 0), empty(ys, "adj_out_")]
-            }
-            (CasadiRole::ForwardAdjoint, true) => vec![
-                real(xs, "adj_", 0),
-                empty(ys, "adj_out_"),
-                real(xs, "adj_fwd_", nx),
-            ],
-        };
-        blocks.into_iter().flatten().collect()
+        }
     }
 }
 
-/// The blocks of the Jacobian of the function as arrays.
-fn blocks_of(ys: &[CasadiArray], xs: &[CasadiArray]) -> Vec<CasadiArray> {
-    let port = |array: &CasadiArray| CasadiPort {
-        array: array.clone(),
-        source: Some(0),
-    };
-    let [ys, xs] = [ys, xs].map(|arrays| arrays.iter().map(port).collect::<Vec<_>>());
-    let blocks = jacobian(&ys, &xs).into_iter();
-    blocks.map(|block| block.array).collect()
-}
-
-/// The blocks of a Jacobian: for every row array one for each column array, of
-/// which those in the equations count.
-fn jacobian(rows: &[CasadiPort], columns: &[CasadiPort]) -> Vec<CasadiPort> {
-    let mut next = 0;
+/// The blocks of a Jacobian: for every row array one for each column array.
+fn blocks(
+    rows: &[(CasadiArray, bool)],
+    columns: &[(CasadiArray, bool)],
+) -> Vec<(CasadiArray, bool)> {
     let pairs = rows
         .iter()
-        .flat_map(|y| columns.iter().map(move |x| (y, x)));
-    let block = |(y, x): (&CasadiPort, &CasadiPort)| {
-        let source = x.source.map(|_| {
-            next += 1;
-            next - 1
-        });
-        let sizes = [&y.array, &x.array].map(|array| count(array.extents) as u32);
-        CasadiPort {
-            array: CasadiArray {
-                name: format!("jac_{}_{}", y.array.name, x.array.name),
-                extents: sizes,
-            },
-            source,
-        }
+        .flat_map(|row| columns.iter().map(move |column| (row, column)));
+    let block = |((y, _), (x, is_there)): (&(CasadiArray, bool), &(CasadiArray, bool))| {
+        let array = CasadiArray {
+            name: format!("jac_{}_{}", y.name, x.name),
+            extents: [y, x].map(|array| count(array.extents) as u32),
+        };
+        (array, *is_there)
     };
     pairs.map(block).collect()
+}
+
+/// Arrays of a function that a group of ports goes over.
+#[derive(Clone, Copy)]
+enum PortArrays {
+    Inputs,
+    Outputs,
+    /// The blocks of the Jacobian.
+    Blocks,
+    /// The blocks of the Jacobian of the adjoint.
+    AdjointBlocks,
+}
+
+/// Ports with a beginning of their names; the flag is true if the equations have
+/// them, else they have no elements.
+struct PortGroup(&'static str, PortArrays, bool);
+
+/// The inputs and outputs of a role, in CasADi's order.
+fn groups(role: CasadiRole) -> [Vec<PortGroup>; 2] {
+    use PortArrays::{AdjointBlocks, Blocks, Inputs, Outputs};
+    let given = |prefix, over| PortGroup(prefix, over, true);
+    let empty = |prefix, over| PortGroup(prefix, over, false);
+    let further = match role {
+        CasadiRole::Values | CasadiRole::Jacobian => Vec::new(),
+        CasadiRole::Forward => vec![given("fwd_", Inputs)],
+        CasadiRole::Adjoint => vec![given("adj_", Outputs)],
+        CasadiRole::AdjointJacobian => vec![given("adj_", Outputs), empty("out_adj_", Inputs)],
+        CasadiRole::AdjointForward => vec![
+            given("adj_", Outputs),
+            empty("out_adj_", Inputs),
+            given("fwd_", Inputs),
+            empty("fwd_out_", Outputs),
+            given("fwd_adj_", Outputs),
+        ],
+        CasadiRole::ForwardForward => vec![
+            given("fwd_", Inputs),
+            empty("out_fwd_", Outputs),
+            given("fwd2_", Inputs),
+            empty("fwd2_out_", Outputs),
+            given("fwd2_fwd_", Inputs),
+        ],
+        CasadiRole::ForwardAdjoint => vec![
+            given("fwd_", Inputs),
+            empty("out_fwd_", Outputs),
+            given("adj_fwd_", Outputs),
+        ],
+        CasadiRole::JacobianForward => vec![
+            empty("out_", Blocks),
+            given("fwd_", Inputs),
+            empty("fwd_out_", Outputs),
+        ],
+        CasadiRole::JacobianAdjoint => vec![empty("out_", Blocks), given("adj_", Blocks)],
+    };
+    let outputs = match role {
+        CasadiRole::Values => vec![given("", Outputs)],
+        CasadiRole::Jacobian => vec![given("", Blocks)],
+        CasadiRole::Forward => vec![given("fwd_", Outputs)],
+        CasadiRole::Adjoint => vec![given("adj_", Inputs)],
+        CasadiRole::AdjointJacobian => vec![given("", AdjointBlocks)],
+        CasadiRole::AdjointForward => vec![given("fwd_adj_", Inputs)],
+        CasadiRole::ForwardForward => vec![given("fwd2_fwd_", Outputs)],
+        CasadiRole::ForwardAdjoint => vec![
+            given("adj_", Inputs),
+            empty("adj_out_", Outputs),
+            given("adj_fwd_", Inputs),
+        ],
+        CasadiRole::JacobianForward => vec![given("fwd_", Blocks)],
+        CasadiRole::JacobianAdjoint => vec![given("adj_", Inputs), empty("adj_out_", Outputs)],
+    };
+    let mut inputs = vec![given("", Inputs)];
+    if role != CasadiRole::Values {
+        // The results of the function, which its derivatives ignore.
+        inputs.push(empty("out_", Outputs));
+    }
+    inputs.extend(further);
+    [inputs, outputs]
 }
 
 fn named(prefix: &str, array: &CasadiArray) -> CasadiArray {
@@ -333,6 +327,8 @@ fn count([rows, columns]: [u32; 2]) -> u64 {
 struct InterfaceWriter {
     functions: String,
     patterns: String,
+    /// Elements of the largest input.
+    zeros: u64,
     /// The number of every sparsity written.
     numbers: BTreeMap<Vec<u32>, usize>,
 }
@@ -367,6 +363,7 @@ impl InterfaceWriter {
         let mut arguments = vec![String::new(); inputs.iter().flat_map(|port| port.source).count()];
         for (index, port) in inputs.iter().enumerate() {
             if let Some(source) = port.source {
+                self.zeros = self.zeros.max(count(port.array.extents));
                 arguments[source] = format!("arg[{index}] ? arg[{index}] : robovec_zeros");
             }
         }
