@@ -533,6 +533,11 @@ impl Model {
             && self.points.iter().all(|point| {
                 point.body.is_none_or(|body| body < bodies) && finite(&point.coordinates)
             })
+            && self.frames.iter().all(|frame| {
+                frame.body.is_none_or(|body| body < bodies)
+                    && finite(&frame.origin)
+                    && finite(frame.rotation.as_flattened())
+            })
             && self.cuts.iter().flat_map(|cut| &cut.ends).all(anchor)
             && self.cuts.iter().all(|cut| match cut.kind {
                 CutKind::Coupling(coupling) => {
