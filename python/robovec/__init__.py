@@ -99,7 +99,8 @@ def casadi(
 
     It is compiled C with sparse Jacobians, adjoints and directions, and with
     ``derivatives="second"`` those of the adjoints, which CasADi finds by
-    itself: in a Jacobian, a Hessian or an integrator. ``passes`` run before.
+    itself: in a Jacobian, a Hessian or an integrator. ``passes`` run before, each
+    proved at four points.
     ``name`` is that of the CasADi function; ``folder`` keeps the C file and the
     library. The other options are those of ``load``.
 
@@ -118,7 +119,7 @@ def casadi(
             floating=floating,
             right_angles=right_angles,
         )
-    program = program.run(passes) if passes else program
+    program = program.run(passes, check=True) if passes else program
     program = program if name is None else Program(program._inner.renamed(name))
     return _casadi.external(program, derivatives, compiler, flags, folder)
 
