@@ -82,7 +82,7 @@ def inverse_dynamics(path):
     (base,) = [name for name in links if name not in children]
     q, qd, qdd, tau = [], [], [], []
 
-    def force(link, rotation, place, w, dw, a, inward):
+    def force(link, w, dw, a):
         """Force and moment, about its origin, on a link and all beyond it."""
         f, n = ca.SX(3, 1), ca.SX(3, 1)
         inertial = links[link].find("inertial")
@@ -110,8 +110,8 @@ def inverse_dynamics(path):
                 axis = numbers(None if axis is None else axis.get("xyz"), [1, 0, 0])
                 axis = clean(axis / np.linalg.norm(axis))
                 k = len(q)
-                for name, list_ in (("q", q), ("qd", qd), ("qdd", qdd)):
-                    list_.append(ca.SX.sym(f"{name}{k}"))
+                for name, symbols in (("q", q), ("qd", qd), ("qdd", qdd)):
+                    symbols.append(ca.SX.sym(f"{name}{k}"))
                 tau.append(None)
             elif kind != "fixed":
                 raise SystemExit(f"{path}: a joint is {kind}")
@@ -128,7 +128,7 @@ def inverse_dynamics(path):
             elif moves:
                 dw1 = dw1 + axis * qdd[k] + ca.cross(w1, axis * qd[k])
                 w1 = w1 + axis * qd[k]
-            f1, n1 = force(joint.find("child").get("link"), relative, at, w1, dw1, a1, joint)
+            f1, n1 = force(joint.find("child").get("link"), w1, dw1, a1)
             if moves:
                 tau[k] = ca.dot(axis, f1 if kind == "prismatic" else n1)
             f = f + relative @ f1
@@ -136,7 +136,7 @@ def inverse_dynamics(path):
         return f, n
 
     zero = ca.SX(3, 1)
-    force(base, None, None, zero, zero, ca.SX([0, 0, 9.81]), None)
+    force(base, zero, zero, ca.SX([0, 0, 9.81]))
     args = [ca.vertcat(*part) for part in (q, qd, qdd)]
     return ca.Function("invdyna", args, [ca.vertcat(*tau)], ["q", "qd", "qdd"], ["Qq"])
 

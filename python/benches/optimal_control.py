@@ -10,7 +10,6 @@ Jacobian, the Hessian of the Lagrangian), and the largest difference of the
 objective from the first row over all iterations.
 """
 
-import pathlib
 import subprocess
 import tempfile
 import time

@@ -8,13 +8,12 @@ import os
 import pathlib
 import re
 import shutil
-import subprocess
 import tempfile
 from typing import TYPE_CHECKING, Any, Callable, Sequence
 
 import numpy as np
 
-from . import _robovec
+from ._compiled import library_of
 from ._robovec import Error
 
 if TYPE_CHECKING:
@@ -47,16 +46,7 @@ def external(
     if folder is None:
         # Code that CasADi generates may load the library again until the end.
         atexit.register(shutil.rmtree, place, ignore_errors=True)
-    _robovec.write_files(str(place), list(files))
-    library = place / f"{program.name}.so"
-    sources = [str(place / name) for name, _ in files]
-    command = [compiler, *flags, "-shared", "-fPIC", "-o", str(library), *sources, "-lm"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True)
-    except OSError as error:
-        raise Error(f"cannot start the compiler '{compiler}': {error}") from error
-    if done.returncode != 0:
-        raise Error(f"{' '.join(command)}\n{done.stderr}")
+    library = library_of(files, place, program.name, compiler, flags)
     return ca.external(program.name, str(library))
 
 

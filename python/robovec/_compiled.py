@@ -24,6 +24,27 @@ if TYPE_CHECKING:
     from . import Program
 
 
+def library_of(
+    files: Sequence[tuple[str, str]],
+    place: pathlib.Path,
+    name: str,
+    compiler: str,
+    flags: Sequence[str],
+) -> pathlib.Path:
+    """Writes C files into a folder and compiles them into a library of a name."""
+    _robovec.write_files(str(place), list(files))
+    sources = [str(place / file) for file, _ in files if file.endswith(".c")]
+    library = place / f"{name}.so"
+    command = [compiler, *flags, "-shared", "-fPIC", "-o", str(library), *sources, "-lm"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True)
+    except OSError as error:
+        raise Error(f"cannot start the compiler '{compiler}': {error}") from error
+    if done.returncode != 0:
+        raise Error(f"{' '.join(command)}\n{done.stderr}")
+    return library
+
+
 def compile_files(
     program: Program,
     files: Sequence[tuple[str, str]],
@@ -36,16 +57,7 @@ def compile_files(
     kept = folder is not None
     place = pathlib.Path(tempfile.mkdtemp(prefix="robovec-") if folder is None else folder)
     try:
-        _robovec.write_files(str(place), list(files))
-        sources = [str(place / name) for name, _ in files if name.endswith(".c")]
-        library = place / f"{program.name}.so"
-        command = [compiler, *flags, "-shared", "-fPIC", "-o", str(library), *sources, "-lm"]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True)
-        except OSError as error:
-            raise Error(f"cannot start the compiler '{compiler}': {error}") from error
-        if done.returncode != 0:
-            raise Error(f"{' '.join(command)}\n{done.stderr}")
+        library = library_of(files, place, program.name, compiler, flags)
         try:
             loaded = ctypes.CDLL(str(library))
         except OSError as error:

@@ -39,8 +39,8 @@ pub(crate) struct WorstErrors {
 }
 
 impl WorstErrors {
-    /// The largest error that is known: that of the search, or that of other
-    /// states, of which more than the bound is due to an array that vanishes.
+    /// The larger of the error that the search found and that of random states; the
+    /// latter counts up to the bound, which is not relative to vanishing arrays.
     pub(crate) fn with_sampled(self, sampled: f64) -> f64 {
         self.found
             .max(sampled.min(self.proved.unwrap_or(f64::INFINITY)))
