@@ -1,10 +1,11 @@
-//! Robots in URDF: their equations against a computation from the numbers of
+//! Robots in URDF and MJCF: their equations against a computation from the numbers of
 //! the file alone, and the messages for wrong files.
 
 mod account;
 mod draw;
 mod frames;
 mod losses;
+mod mjcf;
 mod refusals;
 mod shipped;
 
@@ -13,7 +14,7 @@ use crate::reference::State;
 use account::{Account, Motion};
 use draw::DrawnRobot;
 use robovec::generate::{Formulation, GenerationRequest};
-use robovec::model::urdf::{RobotBase, read_urdf};
+use robovec::model::robot::{RobotBase, read_robot};
 use robovec::model::{CutKind, Model};
 use robovec::robotran::FunctionKind;
 use robovec_num::random::Random;
@@ -26,7 +27,7 @@ const TOLERANCE: f64 = 1e-12;
 
 /// Reads a robot that must be one.
 fn read(name: &str, text: &str, base: RobotBase) -> Model {
-    match read_urdf(name, text.as_bytes(), base) {
+    match read_robot(name, text.as_bytes(), base) {
         Ok(read) => read.model,
         Err(error) => panic!("{name}:\n{}\n{text}", error.report.render_plain()),
     }
@@ -50,7 +51,17 @@ fn dynamics(seed: u64, model: Model, state: State<f64>) -> (Outputs, Model) {
 /// Compares the results for a robot with the independent computation; returns
 /// the largest difference of `M` and `c`.
 fn compare(seed: u64, robot: &DrawnRobot, base: RobotBase) -> f64 {
-    let model = read("drawn.urdf", &robot.text(), base);
+    compare_files(seed, robot, ("drawn.urdf", &robot.text()), base)
+}
+
+/// The same for the file of a robot.
+fn compare_files(
+    seed: u64,
+    robot: &DrawnRobot,
+    (file, text): (&str, &str),
+    base: RobotBase,
+) -> f64 {
+    let model = read(file, text, base);
     let joints = model.joints.len();
     let mut random = Random::new(seed ^ 0x5eed);
     let mut list = || {
@@ -96,8 +107,7 @@ fn compare(seed: u64, robot: &DrawnRobot, base: RobotBase) -> f64 {
             let error = (found - expected).abs() / size;
             assert!(
                 error <= TOLERANCE,
-                "seed {seed}, {base:?}: {what} at {place}: {found} instead of {expected}\n{}",
-                robot.text()
+                "seed {seed}, {base:?}: {what} at {place}: {found} instead of {expected}\n{text}"
             );
             worst = worst.max(error);
         }
@@ -106,8 +116,8 @@ fn compare(seed: u64, robot: &DrawnRobot, base: RobotBase) -> f64 {
 }
 
 /// Followers are reported with the leader at the end of their chain.
-fn compare_couplings(seed: u64, robot: &DrawnRobot) -> usize {
-    let model = read("drawn.urdf", &robot.text(), RobotBase::Fixed);
+fn couplings(seed: u64, robot: &DrawnRobot, (file, text): (&str, &str)) -> usize {
+    let model = read(file, text, RobotBase::Fixed);
     let name = |joint: usize| model.joints[joint].name.as_str();
     let mut found = Vec::new();
     for cut in &model.cuts {
@@ -140,7 +150,7 @@ fn equations_of_random_robots_are_those_of_the_numbers_in_their_files() {
         for base in [RobotBase::Fixed, RobotBase::Floating] {
             worst = worst.max(compare(seed, &robot, base));
         }
-        followers += compare_couplings(seed, &robot);
+        followers += couplings(seed, &robot, ("drawn.urdf", &robot.text()));
         joints += robot.joints.len();
     }
     println!("worst of {ROBOTS} robots with {joints} joints: {worst:e}");

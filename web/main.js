@@ -8,8 +8,8 @@ const el = (tag, properties, ...children) => {
   element.append(...children);
   return element;
 };
-const KINDS = [".mbs", ".m", ".c", ".py", ".rvir", ".urdf"];
-const MODELS = [".mbs", ".urdf"];
+const KINDS = [".mbs", ".m", ".c", ".py", ".rvir", ".urdf", ".xml"];
+const MODELS = [".mbs", ".urdf", ".xml"];
 const SHOWN = 400_000;
 const EXAMPLES = JSON.parse($("examples").textContent);
 const STOPPED = "stopped";

@@ -93,6 +93,7 @@ pub(crate) fn decorate(model: &mut Model, bytes: &mut Unstructured<'_>) -> Resul
             kind,
             ends,
             ignore: [bytes.arbitrary()?, false, false],
+            rotation: None,
         });
         let ends = [anchor(model, bytes)?, anchor(model, bytes)?];
         // A link from a point to itself has no direction.

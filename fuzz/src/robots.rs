@@ -1,39 +1,47 @@
-//! The laws of the reader of robots (URDF).
+//! The laws of the reader of robots (URDF, MJCF).
 
 use crate::models::{check_refusal, check_round_trip};
+use robovec::model::JointLaw;
 use robovec::model::mbs::unsayable;
-use robovec::model::urdf::{RobotBase, read_urdf};
+use robovec::model::robot::{self, RobotBase};
 
 /// Reads arbitrary bytes, on both bases: the reader neither panics nor hangs,
 /// its messages point into the text, and an accepted robot is sound; where a
-/// `.mbs` file can express it, it is read back from one, except for its limits and
-/// the names of frames.
+/// `.mbs` file can express it, it is read back from one, except for limits, laws
+/// and rotors of joints and the names of frames.
 ///
 /// # Panics
 ///
 /// Panics when a law is broken.
 pub fn read_robot(data: &[u8]) {
     let read = [RobotBase::Fixed, RobotBase::Floating].map(|base| {
-        let read = read_urdf("fuzz.urdf", data, base).map_err(|error| check_refusal(&error.report));
+        let read = robot::read_robot("fuzz.urdf", data, base)
+            .map_err(|error| check_refusal(&error.report));
         let Ok(read) = read else { return None };
         assert!(read.model.check());
         assert!(read.warnings.render_plain().len() < 200_000);
         if unsayable(&read.model).is_none() {
             let mut plain = read.model.clone();
-            plain
-                .joints
-                .iter_mut()
-                .for_each(|joint| joint.limits = None);
+            for joint in &mut plain.joints {
+                joint.limits = None;
+                joint.law = JointLaw::default();
+                joint.armature = 0.0;
+            }
             plain.frames.clear();
             check_round_trip(&plain);
         }
         Some(read.model.joints.len())
     });
-    // Six joints more are all that a free base can be refused for.
+    // Six joints more are all that a free base can be refused for; an MJCF file
+    // has its free joints itself.
     if let [Some(fixed), Some(floating)] = read {
-        assert_eq!(fixed + 6, floating);
+        assert!(floating == fixed + 6 || floating == fixed && is_mjcf(data));
     }
     assert!(read[0].is_some() || read[1].is_none());
+}
+
+fn is_mjcf(data: &[u8]) -> bool {
+    String::from_utf8_lossy(data).contains("<mujoco")
 }
 
 #[cfg(test)]
@@ -114,6 +122,76 @@ mod tests {
         Ok((text + "</robot>").into_bytes())
     }
 
+    /// Pieces of MJCF.
+    const MJCF_PIECES: [&str; 34] = [
+        "<body name='a' pos='1 0 0'>",
+        "<body quat='1 2 3 4' childclass='c'>",
+        "<body>",
+        "</body>",
+        "</body>",
+        "</body>",
+        "</body></body>",
+        "<frame euler='10 20 30' pos='0 0 1'>",
+        "</frame>",
+        "<joint name='j'/>",
+        "<joint name='k' type='slide' axis='1 1 0' ref='0.5' pos='1 2 3'/>",
+        "<joint axis='0 1 1' range='-10 20' stiffness='2' springref='1' armature='0.1'/>",
+        "<joint type='ball'/>",
+        "<freejoint/>",
+        "<freejoint/>",
+        "<inertial pos='1 2 3' mass='1' diaginertia='1 1 1'/>",
+        "<inertial pos='0 0 0' mass='2' fullinertia='1 1 1 0.1 0 0.2'/>",
+        "<geom size='0.1'/>",
+        "<geom type='capsule' size='0.1' fromto='0 0 0 0 1 1'/>",
+        "<geom type='box' size='1 2 3' mass='4' zaxis='1 1 1'/>",
+        "<geom type='mesh' mesh='m'/>",
+        "<site name='s' xyaxes='1 0 0 0 1 1'/>",
+        "</worldbody><worldbody>",
+        "</worldbody><default><default class='c'><joint type='slide'/></default></default><worldbody>",
+        "</worldbody><compiler angle='radian' eulerseq='ZyX' settotalmass='3'/><worldbody>",
+        "</worldbody><option gravity='1 2 3'/><worldbody>",
+        "</worldbody><equality><connect body1='a' body2='world' anchor='1 1 1'/></equality><worldbody>",
+        "</worldbody><equality><weld body1='a'/></equality><worldbody>",
+        "</worldbody><equality><joint joint1='j' joint2='k'/></equality><worldbody>",
+        "</worldbody><equality><joint joint1='k' joint2='j' polycoef='1 2 0'/></equality><worldbody>",
+        "</worldbody><equality><connect site1='s' site2='s'/></equality><worldbody>",
+        "</worldbody><tendon><fixed name='t'><joint joint='j' coef='2'/><joint joint='k' coef='1'/></fixed></tendon><worldbody>",
+        "</worldbody><equality><tendon tendon1='t' polycoef='1'/></equality><worldbody>",
+        "</worldbody><actuator><motor joint='j'/></actuator><worldbody>",
+    ];
+
+    #[test]
+    fn elements_of_mjcf_in_any_order_are_read_or_refused() {
+        let mut accepted = 0;
+        cases::of_sizes(3000, 200, |bytes| {
+            let mut text = String::from("<mujoco><worldbody>");
+            let mut open = 0_usize;
+            for _ in 0..bytes.int_in_range(1..=30)? {
+                let piece = *bytes.choose(&MJCF_PIECES)?;
+                let closes = piece.matches("</body>").count();
+                // Most files are closed in order, so that more is read of them.
+                if closes > open || piece.starts_with("</worldbody>") && open > 0 {
+                    continue;
+                }
+                open = open + piece.matches("<body").count() - closes;
+                text.push_str(piece);
+            }
+            text.push_str(&"</body>".repeat(open));
+            text.push_str("</worldbody></mujoco>");
+            accepted +=
+                u32::from(robot::read_robot("r", text.as_bytes(), RobotBase::Fixed).is_ok());
+            read_robot(text.as_bytes());
+            let mut damaged = text.into_bytes();
+            cases::damage(bytes, &mut damaged, 3, 60)?;
+            read_robot(&damaged);
+            Ok(())
+        });
+        assert!(
+            accepted > 100,
+            "{accepted} of 3000 were read, so little was tried"
+        );
+    }
+
     #[test]
     fn any_bytes_are_read_or_refused() {
         cases::of_sizes(300, 500, |bytes| {
@@ -132,7 +210,8 @@ mod tests {
                 text.push_str(bytes.choose(&PIECES)?);
             }
             text.push_str("</robot>");
-            accepted += u32::from(read_urdf("r", text.as_bytes(), RobotBase::Fixed).is_ok());
+            accepted +=
+                u32::from(robot::read_robot("r", text.as_bytes(), RobotBase::Fixed).is_ok());
             read_robot(text.as_bytes());
             Ok(())
         });
@@ -146,10 +225,10 @@ mod tests {
         let mut accepted = 0;
         cases::of_sizes(1500, 400, |bytes| {
             let mut text = sound(bytes)?;
-            assert!(read_urdf("r", &text, RobotBase::Fixed).is_ok());
+            assert!(robot::read_robot("r", &text, RobotBase::Fixed).is_ok());
             read_robot(&text);
             cases::damage(bytes, &mut text, 3, 60)?;
-            accepted += u32::from(read_urdf("r", &text, RobotBase::Fixed).is_ok());
+            accepted += u32::from(robot::read_robot("r", &text, RobotBase::Fixed).is_ok());
             read_robot(&text);
             Ok(())
         });

@@ -42,7 +42,7 @@ def load(
     right_angles: float = 0.0,
 ) -> Program:
     """Reads equations (Robotran's C, Matlab or Python, robovec's text) or makes
-    a function of a model (``.mbs``, ``.urdf``).
+    a function of a model (``.mbs``, ``.urdf``, ``.xml``).
 
     ``function`` is one of a file that has several, or what is made of a model
     (``dirdyna`` without a word). ``formulation``, ``numbers`` (the model's

@@ -9,7 +9,7 @@ use robovec::generate::{
 };
 use robovec::kinematics::parameter;
 use robovec::model::Model;
-use robovec::model::urdf::{RobotBase, RobotReading};
+use robovec::model::robot::{RobotBase, RobotReading};
 use robovec::report::{ModuleReport, PassRunRecord, ReadCounts, ReportOptions};
 use robovec::robotran::FunctionKind;
 use robovec::sources;

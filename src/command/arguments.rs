@@ -11,7 +11,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Reads equations of a multibody system (Robotran C, Matlab or Python, or
-/// robovec's own text) or makes them from a model (.mbs, .urdf), runs a pipeline of
+/// robovec's own text) or makes them from a model (.mbs, .urdf, .xml), runs a pipeline of
 /// passes over them and writes the result.
 #[derive(Parser, Debug)]
 #[command(

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// libraries on this computer
 #[derive(Args, Debug)]
 pub(super) struct BenchArguments {
-    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23, bogie)
+    /// Files of equations, models (.mbs, .urdf, .xml) or built-in models (serial-23, bogie)
     #[arg(required_unless_present = "robots")]
     pub(super) subjects: Vec<String>,
     /// Print one table of all functions of robots (.urdf): C for one state and
@@ -29,7 +29,7 @@ pub(super) struct BenchArguments {
     /// with robovec
     #[arg(long, conflicts_with_all = ["model", "forces"])]
     pub(super) robots: bool,
-    /// Model (.mbs, .urdf) that a file of equations comes from
+    /// Model (.mbs, .urdf, .xml) that a file of equations comes from
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Function of a model, or of a file that has several [default: dirdyna]

@@ -29,7 +29,7 @@ enum FormatName {
 /// Arguments of `eval`.
 #[derive(Args, Debug)]
 pub(super) struct EvalArguments {
-    /// Robotran file, robovec text, or model (.mbs, .urdf)
+    /// Robotran file, robovec text, or model (.mbs, .urdf, .xml)
     file: PathBuf,
     /// Number of random states, in ranges that suit the inputs (angles, masses,
     /// ...); or a file of lines `name[indices] number`, in which a line `state`
@@ -43,7 +43,7 @@ pub(super) struct EvalArguments {
     /// Seed of the random states
     #[arg(long, default_value_t = 1, add = SEED)]
     seed: u64,
-    /// Model (.mbs, .urdf) for the parameters that the states do not give; by
+    /// Model (.mbs, .urdf, .xml) for the parameters that the states do not give; by
     /// default FILE, if it is a model
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,

@@ -340,7 +340,7 @@ pub fn manual() -> String {
     let [_, tool] = super::commands();
     let mut text = String::from(
         "# The commands\n\n`robovec-opt` compiles; `robovec` does the rest. A subject is a file of \
-         equations (Robotran's C, Matlab or Python, `.rvir`, `.fpcore`), a model (`.mbs`, `.urdf`) \
+         equations (Robotran's C, Matlab or Python, `.rvir`, `.fpcore`), a model (`.mbs`, `.urdf`, `.xml`) \
          or the name of a model that is built in (`bogie`, `serial-23`), for every command that \
          takes one.\n\n## Options with the same meaning in all commands\n\n| option | meaning |\n|---|---|\n",
     );
@@ -357,7 +357,7 @@ pub fn manual() -> String {
     text.push_str(
         "| `-o`, `--output` | where results go: a file, or a folder for several |\n| `--force` | \
          replace files that robovec did not write |\n| `--base`, `--right-angles` | how robots \
-         (`.urdf`) are read, where models are ([robots.md](robots.md)) |\n| `--tool-seconds` | when compilers and \
+         (`.urdf`, `.xml`) are read, where models are ([robots.md](robots.md)) |\n| `--tool-seconds` | when compilers and \
          simulators are stopped |\n",
     );
     for (title, names) in GROUPS {

@@ -19,7 +19,7 @@ const DEFAULT_JOINTS: usize = 23;
 /// Arguments of `model`.
 #[derive(Args, Debug)]
 pub(super) struct ModelArguments {
-    /// A .mbs or .urdf file to summarise, or a family to write a model of: serial,
+    /// A .mbs, .urdf or .xml file to summarise, or a family to write a model of: serial,
     /// semi-serial, parallel, thesis-70, random, bogie, train,
     /// double-pendulum, four-bar, slider-crank, quarter-car
     #[arg(value_name = "FILE|FAMILY")]
@@ -128,7 +128,7 @@ fn unknown(name: &str) -> CommandFailure {
         notes.push(format!("did you mean '{near}'?"));
     }
     notes.push(format!(
-        "families: {}; or a .mbs or .urdf file",
+        "families: {}; or a .mbs, .urdf or .xml file",
         names.join(", ")
     ));
     CommandFailure::advised(format!("there is no file or family '{name}'"), notes)
@@ -174,13 +174,15 @@ fn write(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFai
     Ok(String::new())
 }
 
-/// Warns of limits and losses of joints, which `.mbs` files cannot express.
+/// Warns of limits, losses and rotors of joints, which `.mbs` files cannot express.
 fn warn_of_limits(model: &Model) {
     let limited = model.joints.iter().filter(|joint| joint.limits.is_some());
-    let losing = model.joints.iter().filter(|joint| joint.losses.are_there());
+    let losing = model.joints.iter().filter(|joint| joint.law.are_there());
+    let turning = model.joints.iter().filter(|joint| joint.armature != 0.0);
     let counts = [
         ("limits", limited.count()),
-        ("damping and friction", losing.count()),
+        ("damping, friction and springs", losing.count()),
+        ("armature", turning.count()),
     ];
     let mut report = Report::new();
     for (what, count) in counts.into_iter().filter(|(_, count)| *count > 0) {

@@ -10,7 +10,7 @@ use robovec_bench::task::BenchTask;
 use robovec_dynamics::generate::{Options, contenders};
 use robovec_explore::placing::placed;
 use robovec_model::Model;
-use robovec_model::urdf::{RobotBase, read_urdf};
+use robovec_model::robot::{RobotBase, read_robot};
 use robovec_present::number::or_dash;
 use robovec_present::text_table;
 use robovec_schedule::PlaceOptions;
@@ -103,7 +103,7 @@ pub(super) fn run(
 fn robots(arguments: &BenchArguments) -> Result<Vec<(String, Model)>, CommandFailure> {
     if arguments.subjects.is_empty() {
         let read = OWN.iter().map(|(name, bytes, base)| {
-            let read = read_urdf(name, bytes, *base).expect("what ships is read");
+            let read = read_robot(name, bytes, *base).expect("what ships is read");
             ((*name).to_owned(), read.model)
         });
         return Ok(read.collect());

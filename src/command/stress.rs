@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// error, and try cures
 #[derive(Args, Debug)]
 pub(super) struct StressArguments {
-    /// Model (.mbs, .urdf) or function in any language to drive to its hard
+    /// Model (.mbs, .urdf, .xml) or function in any language to drive to its hard
     /// states, in place of the cases that ship
     #[arg(value_name = "INPUT")]
     input: Option<PathBuf>,

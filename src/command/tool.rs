@@ -19,7 +19,7 @@ use clap_complete::env::CompleteEnv;
 use robovec_io::files::{Replace, set_force};
 use robovec_io::process::{ProcessLimits, set_limits};
 use robovec_io::sources::set_reading;
-use robovec_model::urdf::{RobotBase, RobotReading};
+use robovec_model::robot::{RobotBase, RobotReading};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -45,7 +45,7 @@ struct ToolArguments {
 
 // Reading of robots. No doc comment: it would become the commands' own.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Robots (.urdf)")]
+#[command(next_help_heading = "Robots (.urdf, .xml)")]
 struct RobotArguments {
     /// Base of a robot: fixed, or moving freely by x, y, z, yaw, pitch and roll
     #[arg(long, global = true, value_name = "fixed|floating", value_enum,

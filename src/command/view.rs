@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 /// the origin of values, the longest path, the schedule, errors
 #[derive(Args, Debug)]
 pub(super) struct ViewArguments {
-    /// File of equations, or model (.mbs, .urdf)
+    /// File of equations, or model (.mbs, .urdf, .xml)
     file: PathBuf,
     /// Pipeline, e.g. atomise,balance,place; @FILE reads it from a file
     #[arg(long, value_name = "PIPELINE", default_value = "$shorten,place")]
@@ -34,7 +34,7 @@ pub(super) struct ViewArguments {
     /// Language of the file, if its name does not show it
     #[arg(long = "input-language", alias = "language", value_name = "LANGUAGE")]
     language: Option<InputLanguage>,
-    /// Model (.mbs, .urdf) that the equations come from, to show its joints
+    /// Model (.mbs, .urdf, .xml) that the equations come from, to show its joints
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Only this function; of a model, the one to generate

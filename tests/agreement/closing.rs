@@ -122,6 +122,7 @@ fn add_cut(random: &mut Random, model: &mut Model, state: &State<f64>) {
         kind,
         ends: [ends[0], end],
         ignore: [false; 3],
+        rotation: None,
     });
 }
 

@@ -29,6 +29,7 @@ pub(crate) const NOT_RUN: &[(&str, &str)] = &[
     ),
     ("scripts/compare-with-form", "needs FORM"),
     ("scripts/compare-with-pinocchio …", "needs Pinocchio"),
+    ("scripts/compare-with-mujoco …", "needs MuJoCo"),
     ("scripts/check-rtl.sh …", "takes minutes"),
     (
         "robovec project coman …",

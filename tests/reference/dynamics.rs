@@ -17,6 +17,7 @@ pub(crate) fn mass_matrix<T: Real>(tree: &Tree<T>, state: &State<T>) -> Vec<Vec<
                 matrix[j][k] = matrix[j][k] + dot(left, apply(&inertia, right));
             }
         }
+        matrix[i][i] = matrix[i][i] + tree.links[i].armature;
     }
     matrix
 }
@@ -38,6 +39,7 @@ pub(crate) fn inverse_dynamics<T: Real>(tree: &Tree<T>, state: &State<T>) -> Vec
         for (k, column) in body_jacobian(tree, &frames, Some(i)) {
             forces[k] = forces[k] + dot(column, needed);
         }
+        forces[i] = forces[i] + tree.links[i].armature * state.qdd[i];
     }
     forces
 }
@@ -83,6 +85,7 @@ pub(crate) fn kinetic_energy<T: Real>(tree: &Tree<T>, state: &State<T>) -> T {
         .enumerate()
         .fold(T::zero(), |sum, (i, frame)| {
             sum + dot(frame.velocity, apply(&inertia(tree, i), frame.velocity))
+                + tree.links[i].armature * state.qd[i] * state.qd[i]
         });
     twice / T::from(2.0)
 }

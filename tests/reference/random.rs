@@ -30,8 +30,8 @@ pub(crate) struct Recipe {
     /// True when some joints are driven, with and without symbols for
     /// velocity and acceleration.
     pub(crate) driven: bool,
-    /// True when some joints have general positions, or move against their
-    /// axis.
+    /// True when some joints have general positions, move against their axis
+    /// or turn rotors.
     pub(crate) placed: bool,
     /// Number of cuts of each kind.
     pub(crate) cuts: usize,
@@ -132,7 +132,8 @@ fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usiz
                 JointMounting::default()
             },
             limits: None,
-            losses: Default::default(),
+            law: Default::default(),
+            armature: rotor(random.clone(), recipe),
         });
     }
     let mut product = || {
@@ -154,6 +155,14 @@ fn add_body(random: &mut Random, recipe: &Recipe, model: &mut Model, index: usiz
         center: random.vector(recipe.zeros),
         inertia: [xx, xy, xz, yy, yz, zz],
     });
+}
+
+/// The rotor of a joint, from a copy of the draws: what follows stays the same.
+fn rotor(mut random: Random, recipe: &Recipe) -> f64 {
+    match recipe.placed && random.chance(0.3) {
+        true => random.between(0.1, 2.0),
+        false => 0.0,
+    }
 }
 
 /// Mounting of a joint. Quarters of a turn only where no joint of the same body
@@ -198,6 +207,7 @@ pub(crate) fn add_coupling(random: &mut Random, model: &mut Model, q: &[f64]) {
             point: None,
         }),
         ignore: [false; 3],
+        rotation: None,
     });
 }
 
@@ -236,6 +246,7 @@ fn add_devices(random: &mut Random, recipe: &Recipe, model: &mut Model) {
                 kind,
                 ends: places(random, recipe.bodies),
                 ignore: [false; 3],
+                rotation: None,
             });
         }
     }

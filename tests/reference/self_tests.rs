@@ -126,7 +126,8 @@ fn energy_by_koenig(tree: &Tree<Double>, state: &State<Double>) -> Double {
         let spin = apply(&center.rotation, center.angular_velocity);
         twice = twice
             + link.mass * dot(center.velocity, center.velocity)
-            + dot(spin, apply(&link.inertia, spin));
+            + dot(spin, apply(&link.inertia, spin))
+            + link.armature * state.qd[i] * state.qd[i];
     }
     twice / Double::from(2.0)
 }

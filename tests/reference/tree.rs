@@ -23,6 +23,8 @@ pub(crate) struct Link<T> {
     pub(crate) center: Vector3<T>,
     /// Inertia about the centre of mass.
     pub(crate) inertia: Matrix3<T>,
+    /// Inertia of the rotor that the joint turns.
+    pub(crate) armature: T,
 }
 
 /// The joints of a model; parents come first.
@@ -67,6 +69,7 @@ impl<T: Real> Tree<T> {
                 mass: T::from(body.map_or(0.0, |body| body.mass)),
                 center: body.map_or([0.0; 3], |body| body.center).map(T::from),
                 inertia: from_fn(|i| from_fn(|j| T::from(inertia[3 * i + j]))),
+                armature: T::from(joint.armature),
             }
         });
         Tree {

@@ -46,11 +46,11 @@ pub(super) struct Account {
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const GRAVITY: Vector = [0.0, 0.0, -9.81];
 
-fn add(a: Vector, b: Vector) -> Vector {
+pub(super) fn add(a: Vector, b: Vector) -> Vector {
     from_fn(|i| a[i] + b[i])
 }
 
-fn scaled(a: Vector, s: f64) -> Vector {
+pub(super) fn scaled(a: Vector, s: f64) -> Vector {
     a.map(|x| x * s)
 }
 
@@ -66,7 +66,7 @@ fn times(m: &Matrix, v: Vector) -> Vector {
     m.map(|row| dot(row, v))
 }
 
-fn product(a: &Matrix, b: &Matrix) -> Matrix {
+pub(super) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     from_fn(|i| from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
@@ -83,12 +83,12 @@ fn rotation(axis: Vector, angle: f64) -> Matrix {
     })
 }
 
-fn unit(v: Vector) -> Vector {
+pub(super) fn unit(v: Vector) -> Vector {
     scaled(v, 1.0 / dot(v, v).sqrt())
 }
 
 /// Fixed axes: roll about x, pitch about y, yaw about z.
-fn of_angles([roll, pitch, yaw]: Vector) -> Matrix {
+pub(super) fn of_angles([roll, pitch, yaw]: Vector) -> Matrix {
     let turned = product(
         &rotation([0.0, 1.0, 0.0], pitch),
         &rotation([1.0, 0.0, 0.0], roll),

@@ -110,6 +110,15 @@ fn link(random: &mut Random) -> DrawnLink {
 impl DrawnRobot {
     /// A robot of 2 to 14 links.
     pub(super) fn new(random: &mut Random) -> DrawnRobot {
+        DrawnRobot::of_kinds(random, &KINDS)
+    }
+
+    /// A robot whose joints have one position or none.
+    pub(super) fn of_one_axis(random: &mut Random) -> DrawnRobot {
+        DrawnRobot::of_kinds(random, &KINDS[..10])
+    }
+
+    fn of_kinds(random: &mut Random, kinds: &[&'static str]) -> DrawnRobot {
         let count = 1 + random.below(13);
         let mut joints: Vec<DrawnJoint> = Vec::new();
         for index in 0..count {
@@ -119,7 +128,7 @@ impl DrawnRobot {
             } else {
                 random.below(index + 1)
             };
-            let kind = KINDS[random.below(KINDS.len())];
+            let kind = kinds[random.below(kinds.len())];
             let leaders: Vec<usize> = (0..index)
                 .filter(|&leader| has_position(joints[leader].kind))
                 .collect();

@@ -9,7 +9,7 @@ use crate::agreement::{Case, Outputs};
 use crate::reference::State;
 use robovec::generate::GenerationRequest;
 use robovec::model::Model;
-use robovec::model::urdf::RobotBase;
+use robovec::model::robot::RobotBase;
 use robovec::robotran::FunctionKind;
 use robovec_ir::Module;
 use robovec_num::random::Random;

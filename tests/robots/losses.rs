@@ -63,7 +63,7 @@ fn losses_are_laws_of_the_joints() {
     assert!(said(&run("model lossy.urdf")).contains("damping 0.8, friction 0.1"));
     let message = stderr(&run("model lossy.urdf -o lossy.mbs"));
     assert!(
-        message.contains("damping and friction of 1 joints are left out"),
+        message.contains("damping, friction and springs of 1 joints are left out"),
         "{message}"
     );
     for (command, file) in [

@@ -4,7 +4,7 @@
 use super::shipped::EXAMPLES;
 use crate::support::files::{compare_with_record, each, list, name};
 use crate::support::programs::robovec;
-use robovec::model::urdf::{RobotBase, read_urdf};
+use robovec::model::robot::{RobotBase, read_robot};
 use robovec::robotran::conventions::JOINT_LIMIT;
 use std::fs;
 use std::path::Path;
@@ -13,10 +13,10 @@ const ERRORS: &str = "tests/robots/errors";
 
 #[test]
 fn mistakes_are_told_with_place_and_advice() {
-    each(ERRORS, &["urdf"], |path| {
+    each(ERRORS, &["urdf", "xml"], |path| {
         let bytes = fs::read(path).expect("it can be read");
         let name = name(path);
-        let shown = match read_urdf(&name, &bytes, RobotBase::Fixed) {
+        let shown = match read_robot(&name, &bytes, RobotBase::Fixed) {
             Ok(read) if read.warnings.is_empty() => panic!("{name}: nothing is wrong"),
             Ok(read) => read.warnings.render_plain(),
             Err(error) => {
@@ -34,9 +34,9 @@ fn a_refused_robot_exits_with_1_and_writes_nothing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let result = folder.path().join("result");
     let result = result.to_str().expect("a plain name");
-    for path in list(ERRORS, &["urdf"]) {
+    for path in list(ERRORS, &["urdf", "xml"]) {
         let bytes = fs::read(&path).expect("it can be read");
-        if read_urdf("r", &bytes, RobotBase::Fixed).is_ok() {
+        if read_robot("r", &bytes, RobotBase::Fixed).is_ok() {
             continue;
         }
         let path = path.to_str().expect("a plain name");
@@ -56,7 +56,7 @@ fn refusal(inside: &str) -> String {
 }
 
 fn refusal_of(text: &[u8]) -> String {
-    match read_urdf("hostile.urdf", text, RobotBase::Floating) {
+    match read_robot("hostile.urdf", text, RobotBase::Floating) {
         Ok(_) => panic!("it is accepted"),
         Err(error) => {
             let shown = error.report.render_plain();

@@ -3,8 +3,8 @@
 
 use crate::support::files::{compare_with_record, each, list, name, tree};
 use crate::support::programs::{robovec, said, stderr};
+use robovec::model::robot::{RobotBase, read_robot};
 use robovec::model::summary::summarise;
-use robovec::model::urdf::{RobotBase, read_urdf};
 use std::fs;
 
 /// Their files, in order.
@@ -24,7 +24,7 @@ fn the_robots_that_ship_are_read_without_a_warning_and_told_as_recorded() {
         let bytes = fs::read(path).expect("it can be read");
         let name = name(path);
         let told = |base| {
-            let read = read_urdf(&name, &bytes, base).expect("a robot of our own");
+            let read = read_robot(&name, &bytes, base).expect("a robot of our own");
             assert!(read.warnings.is_empty(), "{}", read.warnings.render_plain());
             summarise(&read.model)
         };

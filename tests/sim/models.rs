@@ -80,7 +80,8 @@ impl Builder {
                 initial: [initial, 0.0, 0.0],
                 mounting: JointMounting::default(),
                 limits: None,
-                losses: Default::default(),
+                law: Default::default(),
+                armature: 0.0,
             });
         }
         let [xx, yy, zz] = solid.inertia;
@@ -105,6 +106,7 @@ impl Builder {
             kind,
             ends,
             ignore: [false; 3],
+            rotation: None,
         });
     }
     /// A link between two places.

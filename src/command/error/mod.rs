@@ -32,7 +32,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("attribution").args(["blame", "prove"]).multiple(true))]
 pub(super) struct ErrorArguments {
-    /// Files of equations, or models (.mbs, .urdf)
+    /// Files of equations, or models (.mbs, .urdf, .xml)
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Attribute the errors of one state to source equations

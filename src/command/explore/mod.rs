@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// or run a plan: measure every combination and list the best
 #[derive(Args, Debug)]
 pub(super) struct ExploreArguments {
-    /// Files of equations, models (.mbs, .urdf) or built-in models (serial-23,
+    /// Files of equations, models (.mbs, .urdf, .xml) or built-in models (serial-23,
     /// bogie); with --plan they replace the models of the plan, or select some
     /// by name
     #[arg(required_unless_present = "plan")]

@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("drop_in").args(["bounded", "whole_step"]).multiple(true))]
 pub(super) struct GenArguments {
-    /// Models (.mbs, .urdf) or files of equations
+    /// Models (.mbs, .urdf, .xml) or files of equations
     #[arg(required = true, value_name = "SUBJECT")]
     subjects: Vec<PathBuf>,
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help = function_help())]
@@ -344,7 +344,7 @@ fn not_a_model(option: &str, path: &Path) -> CommandFailure {
             "{option} generates from a model, and {} holds equations",
             path.display()
         ),
-        vec!["name the model (.mbs, .urdf) they come from".to_owned()],
+        vec!["name the model (.mbs, .urdf, .xml) they come from".to_owned()],
     )
 }
 

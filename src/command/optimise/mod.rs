@@ -25,9 +25,9 @@ use std::path::PathBuf;
 /// ready to use
 #[derive(Args, Clone, Debug)]
 pub(super) struct OptimiseArguments {
-    /// Robotran file, robovec text, model (.mbs, .urdf), scene (.scene.toml) or built-in model (serial-23)
+    /// Robotran file, robovec text, model (.mbs, .urdf, .xml), scene (.scene.toml) or built-in model (serial-23)
     input: String,
-    /// Model (.mbs, .urdf) that a file of equations comes from: its other formulations are tried, too
+    /// Model (.mbs, .urdf, .xml) that a file of equations comes from: its other formulations are tried, too
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Target of the program

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `rules bench`.
 #[derive(Args, Debug)]
 pub(super) struct RuleBenchArguments {
-    /// Equations or models (.mbs, .urdf) to try the rules on
+    /// Equations or models (.mbs, .urdf, .xml) to try the rules on
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// Additional rules: a .rules file; false rules are reported and left out

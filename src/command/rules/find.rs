@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `rules find`.
 #[derive(Args, Debug)]
 pub(super) struct FindArguments {
-    /// Equations, models (.mbs, .urdf) or names such as bogie and serial-23, on
+    /// Equations, models (.mbs, .urdf, .xml) or names such as bogie and serial-23, on
     /// whose critical paths rules are ranked
     #[arg(default_values = ["bogie", "serial-23", "semi-serial-23", "parallel-23"])]
     files: Vec<String>,

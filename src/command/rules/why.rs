@@ -20,7 +20,7 @@ use std::path::PathBuf;
 pub(super) struct WhyArguments {
     /// The value, as in the text after the passes: `OM16.2`
     value: String,
-    /// Equations or a model (.mbs, .urdf)
+    /// Equations or a model (.mbs, .urdf, .xml)
     input: PathBuf,
     /// Additional rules: a .rules file
     #[arg(long, value_name = "FILE")]

@@ -74,7 +74,7 @@ enum StandingCommand {
 /// A model with its laws, as named by the user.
 #[derive(Args, Debug)]
 struct MovedModel {
-    /// Model (.mbs, .urdf)
+    /// Model (.mbs, .urdf, .xml)
     #[arg(required = true)]
     model: Option<PathBuf>,
     /// Laws of springs, dampers, forces and driven joints (TOML)

@@ -10,7 +10,7 @@ use robovec_ir::machine::{self, MachineError};
 use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Machine, Module, parse};
 use robovec_model::mbs::{ReadModel, read_mbs};
-use robovec_model::urdf::{RobotBase, RobotReading, read_urdf};
+use robovec_model::robot::{RobotBase, RobotReading, read_robot, with_includes};
 use robovec_model::{Model, family};
 use robovec_robotran::Language;
 use std::path::{Path, PathBuf};
@@ -214,8 +214,11 @@ pub fn model_as(path: &Path, robot: RobotReading) -> Result<ReadModel, Report> {
     }
     let bytes = limited::read(path, &limited::MODEL)?;
     let name = display_name(path);
-    let read = if is_urdf(&name, &bytes) {
-        read_urdf(&name, &bytes, robot)
+    let read = if is_robot(&name, &bytes) {
+        let bytes = with_includes(bytes, |file| {
+            limited::read(&path.with_file_name(file), &limited::MODEL)
+        })?;
+        read_robot(&name, &bytes, robot)
     } else {
         read_mbs(&name, &bytes)
     };
@@ -228,7 +231,7 @@ pub fn is_model_path(path: &Path) -> bool {
         path.extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case(kind))
     };
-    is("mbs") || is("urdf") || built_in_name(path).is_some()
+    is("mbs") || is("urdf") || is("xml") || built_in_name(path).is_some()
 }
 
 /// The name of a built-in model (`bogie`, `serial-23`) used instead of a file;
@@ -253,10 +256,11 @@ pub fn limits_of_joints(model: &Model) -> Ranges {
 /// searched.
 const HEAD: usize = 4096;
 
-/// True for a URDF file, by its name or else its first element.
-pub fn is_urdf(name: &str, bytes: &[u8]) -> bool {
+/// True for a URDF or MJCF file, by its name or else its first element.
+pub fn is_robot(name: &str, bytes: &[u8]) -> bool {
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD)]);
-    name.ends_with(".urdf") || (!name.ends_with(".mbs") && head.contains("<robot"))
+    let is_first = head.contains("<robot") || head.contains("<mujoco");
+    name.ends_with(".urdf") || name.ends_with(".xml") || !name.ends_with(".mbs") && is_first
 }
 
 /// Reads a text of a kind.

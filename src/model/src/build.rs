@@ -95,7 +95,8 @@ impl ModelBuilder {
                 initial: [0.0; 3],
                 mounting: JointMounting::default(),
                 limits: None,
-                losses: Default::default(),
+                law: Default::default(),
+                armature: 0.0,
             });
         }
         self.model.bodies.push(Body {
@@ -180,6 +181,7 @@ impl ModelBuilder {
             kind,
             ends: ends.map(anchor),
             ignore: [false; 3],
+            rotation: None,
         });
     }
 

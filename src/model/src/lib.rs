@@ -19,9 +19,9 @@ pub mod mbs;
 mod mounting;
 mod physics;
 mod random;
+pub mod robot;
 mod rotation;
 pub mod summary;
-pub mod urdf;
 mod xml;
 
 pub use mounting::{ConstantTurn, JointCoupling, JointMounting};
@@ -210,23 +210,32 @@ pub struct Joint {
     /// The smallest and the greatest position (m or rad), where the model limits
     /// it.
     pub limits: Option<[f64; 2]>,
-    /// The forces against its motion that the file of a robot gives.
-    pub losses: JointLosses,
+    /// The forces along its motion that the file of a robot gives.
+    pub law: JointLaw,
+    /// Inertia of the rotor that the joint turns by a gear, as the joint feels
+    /// it: that of the rotor times the square of the gear ratio, kg m^2, or kg
+    /// for a translation. It is added to the diagonal of `M`; that the rotor
+    /// also turns with the body before it is neglected.
+    pub armature: f64,
 }
 
-/// The losses of a joint, which are laws and in no equation.
+/// The forces of a joint alone, which are laws and in no equation.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
-pub struct JointLosses {
+pub struct JointLaw {
     /// Viscous damping, N s/m or N m s/rad.
     pub damping: f64,
     /// Dry friction, N or N m.
     pub friction: f64,
+    /// Stiffness of a spring, N/m or N m/rad.
+    pub stiffness: f64,
+    /// The position in which the spring gives no force, m or rad.
+    pub neutral: f64,
 }
 
-impl JointLosses {
+impl JointLaw {
     /// True where there are any.
     pub fn are_there(&self) -> bool {
-        self.damping != 0.0 || self.friction != 0.0
+        self.damping != 0.0 || self.friction != 0.0 || self.stiffness != 0.0
     }
 }
 
@@ -286,6 +295,10 @@ pub struct Cut {
     pub ends: [Anchor; 2],
     /// Directions of a ball cut that are left out.
     pub ignore: [bool; 3],
+    /// The matrix that takes components in the frame of the second end to those
+    /// in the frame of the first where a solid cut is closed; `None` where both
+    /// frames coincide.
+    pub rotation: Option<[[f64; 3]; 3]>,
 }
 
 impl Cut {
@@ -517,7 +530,8 @@ impl Model {
                             || (joint.has_velocity && joint.has_acceleration))
                         && finite(&joint.initial)
                         && joint.limits.is_none_or(|limits| finite(&limits))
-                        && finite(&[joint.losses.damping, joint.losses.friction])
+                        && finite(&[joint.law.damping, joint.law.friction, joint.armature])
+                        && finite(&[joint.law.stiffness, joint.law.neutral])
                         && joint
                             .mounting
                             .turns
@@ -539,6 +553,10 @@ impl Model {
                     && finite(frame.rotation.as_flattened())
             })
             && self.cuts.iter().flat_map(|cut| &cut.ends).all(anchor)
+            && self.cuts.iter().all(|cut| {
+                let rotation = cut.rotation.unwrap_or_default();
+                finite(rotation.as_flattened())
+            })
             && self.cuts.iter().all(|cut| match cut.kind {
                 CutKind::Coupling(coupling) => {
                     coupling.joint.max(coupling.leader) < self.joints.len()

@@ -54,7 +54,7 @@ fn is_massless(body: &Body) -> bool {
 /// Warns of bodies that carry no mass, directly or on bodies attached to them:
 /// the rows of their joints in `M` are zero. Only the first such body of a
 /// branch is named; none where a cut closes a loop through the branch, which
-/// determines its joints, or where they are driven.
+/// determines its joints, or where they are driven or turn rotors.
 pub(super) fn massless(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
     let mut carries: Vec<bool> = model.bodies.iter().map(|body| !is_massless(body)).collect();
     let mut bound = vec![false; model.bodies.len()];
@@ -67,7 +67,10 @@ pub(super) fn massless(model: &Model, places: &[Range<usize>], messages: &mut Me
             bound[parent] |= bound[index];
         }
     }
-    let driven = |joint: usize| model.joints[joint].nature == Nature::Driven;
+    let driven = |joint: usize| {
+        let joint = &model.joints[joint];
+        joint.nature == Nature::Driven || joint.armature != 0.0
+    };
     let bodies = model.bodies.iter().enumerate().filter(|(index, body)| {
         let first = !carries[*index] && body.parent.is_none_or(|parent| carries[parent]);
         first && !bound[*index] && !body.joints.clone().all(driven)

@@ -73,6 +73,36 @@ impl Rotation3 {
         first.then(&about(Axis::X, roll))
     }
 
+    /// The rotation of a quaternion `w x y z` of any length but zero.
+    pub(super) fn from_quaternion([w, x, y, z]: [f64; 4]) -> Rotation3 {
+        let square = w * w + x * x + y * y + z * z;
+        debug_assert!(square > 0.0, "a quaternion has a length");
+        let double = 2.0 / square;
+        let product = |a: f64, b: f64, c: f64, d: f64| {
+            let value = double * (a * b + c * d);
+            if value.abs() <= DUST { 0.0 } else { value }
+        };
+        let diagonal = |a: f64, b: f64| {
+            let value = 1.0 - double * (a * a + b * b);
+            match value {
+                value if value.abs() <= DUST => 0.0,
+                value if 1.0 - value.abs() <= DUST => value.signum(),
+                value => value,
+            }
+        };
+        Rotation3([
+            [diagonal(y, z), product(x, y, -w, z), product(x, z, w, y)],
+            [product(x, y, w, z), diagonal(x, z), product(y, z, -w, x)],
+            [product(x, z, -w, y), product(y, z, w, x), diagonal(x, y)],
+        ])
+    }
+
+    /// The rotation by an angle about a direction of length one.
+    pub(super) fn about_direction([x, y, z]: Point3, angle: f64) -> Rotation3 {
+        let (sine, cosine) = sine_cosine(angle / 2.0);
+        Rotation3::from_quaternion([cosine, sine * x, sine * y, sine * z])
+    }
+
     pub(super) fn is_identity(&self) -> bool {
         *self == Rotation3::IDENTITY
     }
@@ -105,9 +135,8 @@ impl Rotation3 {
         })
     }
 
-    /// Turns about axes that give the rotation: yaw, pitch and roll without
-    /// those that are zero.
-    pub(super) fn turns(&self) -> Vec<ConstantTurn> {
+    /// Yaw, pitch and roll, rad.
+    pub(super) fn yaw_pitch_roll(&self) -> [f64; 3] {
         let m = &self.0;
         let pitch = (-m[2][0]).atan2(m[0][0].hypot(m[1][0]));
         let (yaw, roll) = if m[0][0].hypot(m[1][0]) <= 4.0 * DUST {
@@ -116,6 +145,13 @@ impl Rotation3 {
         } else {
             (m[1][0].atan2(m[0][0]), m[2][1].atan2(m[2][2]))
         };
+        [yaw, pitch, roll]
+    }
+
+    /// Turns about axes that give the rotation: yaw, pitch and roll without
+    /// those that are zero.
+    pub(super) fn turns(&self) -> Vec<ConstantTurn> {
+        let [yaw, pitch, roll] = self.yaw_pitch_roll();
         let all = [(Axis::Z, yaw), (Axis::Y, pitch), (Axis::X, roll)];
         let turns = all.into_iter().filter(|(_, angle)| *angle != 0.0);
         turns
@@ -138,6 +174,23 @@ impl FramePose {
         origin: [0.0; 3],
     };
 
+    /// At a place on the other frame, along its axes.
+    pub(super) fn at(origin: Point3) -> FramePose {
+        FramePose {
+            rotation: Rotation3::IDENTITY,
+            origin,
+        }
+    }
+
+    /// The pose of the parent frame in this one.
+    pub(super) fn inverse(&self) -> FramePose {
+        let rotation = self.rotation.inverse();
+        FramePose {
+            rotation,
+            origin: rotation.apply(scaled(self.origin, -1.0)),
+        }
+    }
+
     /// A pose in this frame, expressed in the parent frame.
     pub(super) fn then(&self, other: &FramePose) -> FramePose {
         let moved = if self.rotation.is_identity() {
@@ -156,4 +209,29 @@ impl FramePose {
 fn clean(vector: Point3) -> Point3 {
     let largest = vector.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     vector.map(|x| if x.abs() <= largest * DUST { 0.0 } else { x })
+}
+
+/// The shortest rotation after which the third axis is the direction, which
+/// has length one; against the axis, half a turn about the first one.
+pub(super) fn upright([x, y, z]: Point3) -> Rotation3 {
+    let aside = x * x + y * y;
+    if aside == 0.0 {
+        return if z < 0.0 {
+            Rotation3::about(Axis::X, std::f64::consts::PI)
+        } else {
+            Rotation3::IDENTITY
+        };
+    }
+    // `1 / (1 + z)`, in the form that does not cancel.
+    let factor = if z < 0.0 {
+        (1.0 - z) / aside
+    } else {
+        1.0 / (1.0 + z)
+    };
+    let both = -x * y * factor;
+    Rotation3([
+        [1.0 - x * x * factor, both, x],
+        [both, 1.0 - y * y * factor, y],
+        [-x, -y, z],
+    ])
 }

@@ -156,10 +156,13 @@ fn body_line(model: &Model, index: usize) -> String {
 }
 
 /// Properties of joints beyond those of `.mbs` files, a line for each: constant
-/// turns before them, axes against which they move, limits and losses.
+/// turns before them, axes against which they move, limits, losses and rotors.
 fn placements(model: &Model) -> String {
     let plain = |joint: &Joint| {
-        joint.mounting.is_plain() && joint.limits.is_none() && !joint.losses.are_there()
+        joint.mounting.is_plain()
+            && joint.limits.is_none()
+            && !joint.law.are_there()
+            && joint.armature == 0.0
     };
     if model.joints.iter().all(plain) {
         return String::new();
@@ -179,8 +182,10 @@ fn placements(model: &Model) -> String {
             let _ = write!(text, ", from {least} to {most} {unit}");
         }
         for (name, amount) in [
-            ("damping", joint.losses.damping),
-            ("friction", joint.losses.friction),
+            ("damping", joint.law.damping),
+            ("friction", joint.law.friction),
+            ("stiffness", joint.law.stiffness),
+            ("armature", joint.armature),
         ] {
             if amount != 0.0 {
                 let _ = write!(text, ", {name} {amount}");

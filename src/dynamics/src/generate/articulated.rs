@@ -105,6 +105,7 @@ impl Articulated<'_, '_, '_> {
             count
         ];
         for joint in (0..count).rev() {
+            let label = |name| QuantityLabel::new(name, 0, joint + 1);
             let (blocks, wrench) = self.collect(joint, &carried);
             let unit = blocks.column(parameters.axis(joint), parameters.is_revolute(joint));
             if self.is_driven(joint) {
@@ -114,20 +115,23 @@ impl Articulated<'_, '_, '_> {
                 carried[joint] = (blocks, wrench);
                 continue;
             }
-            let pivot = unit.along(parameters, joint);
+            let armature = parameters.armature(self.equations, joint);
+            let moved = Sum::total(&[unit.along(parameters, joint), armature]);
+            let pivot = self.equations.define(label("DR"), moved);
             if pivot.is_zero() {
                 return Err(joint);
             }
             let residual = residual_input(self.equations, joint, bias[joint], &[]);
             let mut rest = Sum::of(residual);
             rest.subtract(&[wrench.along(parameters, joint)]);
-            let label = |name| QuantityLabel::new(name, 0, joint + 1);
             let rest = self.equations.define(label("QU"), rest);
             let inverse = self.equations.quotient(label("DI"), Scalar::ONE, pivot);
             let share = self.share(joint, &unit, inverse);
             let mut wrench = self.moved(joint, &wrench, &share, rest);
-            // Along the joint the wrench is what its force leaves.
-            *component(parameters, joint, &mut wrench) = residual;
+            if armature.is_zero() {
+                // Along the joint the wrench is what its force leaves.
+                *component(parameters, joint, &mut wrench) = residual;
+            }
             let alone = Sum::product(&[rest, inverse]);
             shares[joint] = Share {
                 torque: share.torque,
@@ -176,23 +180,31 @@ impl Articulated<'_, '_, '_> {
             force: scaled(&unit.force),
             torque: scaled(&unit.torque),
         };
-        let axis = self.parameters.axis(joint);
-        if self.parameters.is_revolute(joint) {
-            share.torque[axis] = Sum::of(Scalar::ONE);
-        } else {
-            share.force[axis] = Sum::of(Scalar::ONE);
+        if let Some((axis, revolute)) = self.hidden(joint) {
+            let along = match revolute {
+                true => &mut share.torque[axis],
+                false => &mut share.force[axis],
+            };
+            *along = Sum::of(Scalar::ONE);
         }
         share.define(self.equations, ("FV", "NV"), joint, 0)
     }
 
-    /// `I - U U^T / D`: no inertia remains along the joint.
+    /// The direction, axis and kind, in which a joint hides all inertia beyond
+    /// it; a rotor leaves some.
+    fn hidden(&self, joint: usize) -> Option<(usize, bool)> {
+        let parameters = self.parameters;
+        let direction = (parameters.axis(joint), parameters.is_revolute(joint));
+        (parameters.model.joints[joint].armature == 0.0).then_some(direction)
+    }
+
+    /// `I - U U^T / D`: without a rotor no inertia remains along the joint.
     fn left(&mut self, joint: usize, blocks: &Blocks, unit: &Wrench, share: &Wrench) -> Blocks {
-        let axis = self.parameters.axis(joint);
-        let revolute = self.parameters.is_revolute(joint);
-        let (turns, slides) = (
-            Some(axis).filter(|_| revolute),
-            Some(axis).filter(|_| !revolute),
-        );
+        let hidden = |revolute| {
+            let direction = self.hidden(joint);
+            direction.and_then(|(axis, turns)| (turns == revolute).then_some(axis))
+        };
+        let (turns, slides) = (hidden(true), hidden(false));
         let block = |matrix: &Matrix, unit: &Vector, share: &Vector, row, column, triangle| {
             let mut left = [sums(), sums(), sums()];
             for r in (0..3).filter(|&r| Some(r) != row) {
@@ -260,13 +272,18 @@ impl Articulated<'_, '_, '_> {
                 total.add(&[before]);
                 own.add(&[share.alone]);
             } else {
+                // A share of one along the joint cancels the motion before it.
+                let hidden = self.hidden(joint);
                 for k in 0..3 {
-                    if !(revolute && k == axis) {
+                    if hidden != Some((k, true)) {
                         total.subtract(&[share.torque[k], angular[k]]);
                     }
-                    if revolute || k != axis {
+                    if hidden != Some((k, false)) {
                         total.subtract(&[share.force[k], linear[k]]);
                     }
+                }
+                if hidden.is_none() {
+                    total.add(&[before]);
                 }
             }
             let total = self

@@ -9,6 +9,7 @@
 
 use super::Options;
 use super::algebra::{Scalar, Sum};
+use super::composite::with_armature;
 use super::equations::{Equations, QuantityLabel};
 use super::parameters::ModelParameters;
 use super::recursive::{DIRECT, FrameMotion, JointLoad, Recursion};
@@ -153,10 +154,14 @@ impl Columns<'_, '_, '_, '_> {
     }
 
     fn entry(&mut self, joint: usize, ancestor: usize, entry: Scalar) {
+        let equations = &mut *self.recursion.equations;
+        let entry = match joint == ancestor {
+            true => with_armature(equations, self.recursion.parameters, joint, entry),
+            false => entry,
+        };
         if entry.is_zero() {
             return;
         }
-        let equations = &mut *self.recursion.equations;
         equations.output("M", &[joint + 1, ancestor + 1], entry);
         if joint != ancestor {
             equations.output("M", &[ancestor + 1, joint + 1], entry);

@@ -8,9 +8,9 @@
 //!
 //! The moments of inertia are turned with `sin^2 + cos^2 = 1`.
 
-use super::algebra::Scalar;
+use super::algebra::{Scalar, Sum};
 use super::bias::Bias;
-use super::equations::{EquationStyle, Equations};
+use super::equations::{EquationStyle, Equations, QuantityLabel};
 use super::inertia::Wrench;
 use super::lower::operations;
 use super::parameters::ModelParameters;
@@ -42,6 +42,20 @@ impl MassAndBias {
         }
         equations.results.clear();
         dynamics
+    }
+
+    /// Adds the inertias of rotors to the diagonal of `M`.
+    pub(super) fn with_armatures(
+        mut self,
+        equations: &mut Equations,
+        parameters: &ModelParameters<'_>,
+    ) -> MassAndBias {
+        for (joint, entries) in self.mass.iter_mut().enumerate() {
+            let own = entries.iter_mut().find(|(column, _)| *column == joint);
+            let (_, own) = own.expect("a joint has an entry with itself");
+            *own = with_armature(equations, parameters, joint, *own);
+        }
+        self
     }
 
     /// Sets the outputs `M` and `c`; entries that are structurally zero are
@@ -76,7 +90,19 @@ pub(super) fn dynamics(
     let mass = (0..parameters.joints())
         .map(|joint| column(equations, parameters, &offsets, &composites, joint))
         .collect();
-    MassAndBias { mass, bias }
+    MassAndBias { mass, bias }.with_armatures(equations, parameters)
+}
+
+/// The entry of `M` of a joint with itself, together with its rotor.
+pub(super) fn with_armature(
+    equations: &mut Equations,
+    parameters: &ModelParameters<'_>,
+    joint: usize,
+    entry: Scalar,
+) -> Scalar {
+    let armature = parameters.armature(equations, joint);
+    let label = QuantityLabel::new("MR", 0, joint + 1);
+    equations.define(label, Sum::total(&[entry, armature]))
 }
 
 /// Joint forces for given accelerations of the joints, with composites where

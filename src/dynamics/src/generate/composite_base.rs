@@ -30,7 +30,7 @@ pub(super) fn dynamics(
     let mass = (0..parameters.joints())
         .map(|joint| frames.column(equations, joint, &composites[joint]))
         .collect();
-    MassAndBias { mass, bias }
+    MassAndBias { mass, bias }.with_armatures(equations, parameters)
 }
 
 /// Joints at most this far beyond their hub are carried in body frames: the

@@ -15,7 +15,7 @@ use super::chain::Chain;
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{SparseRow, find_entry};
 use super::parameters::{ModelParameters, ParameterSource};
-use super::vector::{Vector, ZERO, define_as, subtracted};
+use super::vector::{Matrix, Vector, ZERO, define_as, subtracted, sums};
 use robovec_model::{Anchor, Cut, CutKind, JointCoupling};
 
 #[derive(Clone)]
@@ -109,7 +109,7 @@ pub(super) fn rows(
             }
             CutKind::Solid => {
                 writer.ball(cut, &ends, &mut rows);
-                writer.rotation(&ends, &mut rows);
+                writer.rotation(cut, &ends, &mut rows);
             }
             CutKind::Coupling(_) => {}
         }
@@ -265,8 +265,11 @@ impl ConstraintWriter<'_, '_, '_> {
         })
     }
 
-    fn rotation(&mut self, ends: &[Chain; 2], rows: &mut Vec<ConstraintRow>) {
-        let axes = [ends[0].axes(), ends[1].axes()];
+    fn rotation(&mut self, cut: &Cut, ends: &[Chain; 2], rows: &mut Vec<ConstraintRow>) {
+        let mut axes = [ends[0].axes(), ends[1].axes()];
+        if let Some(rotation) = cut.rotation {
+            axes[1] = self.turned(&axes[1], &rotation);
+        }
         let jacobians = [0, 1].map(|side| ends[side].jacobian(self.equations, self.parameters));
         let seconds = self.accelerations(ends);
         for (k, (r, s)) in [(2, 1), (0, 2), (1, 0)].into_iter().enumerate() {
@@ -282,6 +285,24 @@ impl ConstraintWriter<'_, '_, '_> {
                 jdqd,
             });
         }
+    }
+
+    /// Axes after a constant rotation.
+    fn turned(&mut self, axes: &Matrix, rotation: &[[f64; 3]; 3]) -> Matrix {
+        let turned = rotation.iter().enumerate().map(|(k, row)| {
+            let mut sums = sums();
+            for (axis, &number) in axes.iter().zip(row) {
+                let number = self.equations.number(number);
+                for (sum, &component) in sums.iter_mut().zip(axis) {
+                    sum.add(&[number, component]);
+                }
+            }
+            let label =
+                |component| QuantityLabel::new("XT", component, self.number + 1).column(k + 1);
+            define_as(self.equations, label, sums)
+        });
+        let turned: Vec<Vector> = turned.collect();
+        [turned[0], turned[1], turned[2]]
     }
 
     fn rod(

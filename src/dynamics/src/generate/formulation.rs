@@ -1,8 +1,8 @@
 //! The recursions for equations, with the requirements and outputs of each.
 
-use super::algebra::Scalar;
+use super::algebra::{Scalar, Sum};
 use super::composite::MassAndBias;
-use super::equations::Equations;
+use super::equations::{Equations, QuantityLabel};
 use super::hub::MomentOrigin;
 use super::network::PrefixNetwork;
 use super::parameters::ModelParameters;
@@ -272,7 +272,7 @@ pub(super) fn inverse_forces(
     request: &GenerationRequest,
     given: &[Scalar],
 ) -> Vec<Scalar> {
-    match request.formulation {
+    let mut forces = match request.formulation {
         Formulation::Recursive => {
             recursive::inverse(equations, parameters, &request.options, given)
         }
@@ -283,7 +283,14 @@ pub(super) fn inverse_forces(
             prefix::inverse(equations, parameters, (network, origin), given)
         }
         Formulation::Articulated => unreachable!("it gives no forces, and was refused"),
+    };
+    for (joint, force) in forces.iter_mut().enumerate() {
+        let armature = parameters.armature(equations, joint);
+        let mut sum = Sum::of(*force);
+        sum.add(&[armature, given[joint]]);
+        *force = equations.define(QuantityLabel::new("QR", 0, joint + 1), sum);
     }
+    forces
 }
 
 /// Writes `qdd`.

@@ -65,7 +65,8 @@ pub(super) fn tree(seed: u64, bodies: usize) -> Model {
                 initial: [0.0; 3],
                 mounting: JointMounting::default(),
                 limits: None,
-                losses: Default::default(),
+                law: Default::default(),
+                armature: [0.0, 0.0, 0.7][random.below(3)],
             });
         }
         let massless = random.below(6) == 0;

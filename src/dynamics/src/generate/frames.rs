@@ -139,7 +139,8 @@ fn with_frames(source: &Model) -> Model {
                 initial: [turn.angle, 0.0, 0.0],
                 mounting: JointMounting::default(),
                 limits: None,
-                losses: Default::default(),
+                law: Default::default(),
+                armature: 0.0,
                 ..joint.clone()
             });
             model.joints.extend(turns);

@@ -227,6 +227,11 @@ impl<'m> ModelParameters<'m> {
         }
     }
 
+    /// The inertia of the rotor that a joint turns.
+    pub(super) fn armature(&self, equations: &mut Equations, joint: usize) -> Scalar {
+        equations.number(self.model.joints[joint].armature)
+    }
+
     /// The joints of the direct children of every joint.
     pub(super) fn children(&self) -> Vec<Vec<usize>> {
         let mut children = vec![Vec::new(); self.joints()];

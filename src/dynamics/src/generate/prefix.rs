@@ -48,7 +48,7 @@ pub(super) fn dynamics(
     let mass = (0..loads.len())
         .map(|joint| form.column(joint, &twists, &loads[joint].inertia))
         .collect();
-    MassAndBias { mass, bias }
+    MassAndBias { mass, bias }.with_armatures(equations, parameters)
 }
 
 /// Joint forces for given accelerations of the joints.

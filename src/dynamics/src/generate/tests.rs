@@ -31,7 +31,8 @@ pub(super) fn serial(joints: usize) -> Model {
             initial: [0.0; 3],
             mounting: JointMounting::default(),
             limits: None,
-            losses: Default::default(),
+            law: Default::default(),
+            armature: 0.0,
         });
         model.points.push(ModelPoint {
             name: "next".to_owned(),

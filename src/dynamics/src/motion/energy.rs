@@ -125,7 +125,11 @@ fn turned(rotation: &Rotation, axis: Axis, angle: f64) -> Rotation {
 /// mass are at the base's origin), J.
 pub(super) fn energies(model: &Model, state: &MotionState) -> (f64, f64) {
     let frames = frames(model, state);
-    let (mut kinetic, mut potential) = (0.0, 0.0);
+    let rotors = model.joints.iter().zip(&state.qd);
+    let mut kinetic: f64 = rotors
+        .map(|(joint, speed)| 0.5 * joint.armature * speed * speed)
+        .sum();
+    let mut potential = 0.0;
     for body in &model.bodies {
         let frame = &frames[body.joints.end - 1];
         let (center, velocity) = frame.point(body.center);

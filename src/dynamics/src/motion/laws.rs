@@ -317,8 +317,10 @@ impl Laws {
     /// rest. An entry of a file for a joint replaces its losses.
     pub fn of_model(model: &Model) -> Laws {
         let losses = model.joints.iter().map(|joint| Spring {
-            damping: joint.losses.damping,
-            friction: joint.losses.friction,
+            damping: joint.law.damping,
+            friction: joint.law.friction,
+            stiffness: joint.law.stiffness,
+            neutral: Some(joint.law.neutral),
             ..Spring::default()
         });
         Laws {

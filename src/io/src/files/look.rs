@@ -38,7 +38,7 @@ impl FileKind {
     pub fn noun(self) -> &'static str {
         match self {
             FileKind::Equations => "a file of equations",
-            FileKind::Model => "a model (.mbs, .urdf)",
+            FileKind::Model => "a model (.mbs, .urdf, .xml)",
             FileKind::Pipeline => "a pipeline",
             FileKind::Machine => "a machine",
             FileKind::Scene => "a scene",
@@ -64,8 +64,8 @@ impl FileKind {
         match self {
             FileKind::Equations => "'robovec-opt', 'robovec optimise' and 'robovec eval' take it",
             FileKind::Model => {
-                "'robovec gen' and 'robovec sim' take it, and others when its name ends in .mbs or \
-                 .urdf"
+                "'robovec gen' and 'robovec sim' take it, and others when its name ends in .mbs, \
+                 .urdf or .xml"
             }
             FileKind::Pipeline => "'robovec-opt --passes @FILE' takes it",
             FileKind::Machine => "'robovec-opt --machine FILE' takes it",
@@ -181,7 +181,7 @@ fn markup(text: &str) -> Option<FileLook> {
     if !text.starts_with('<') {
         return None;
     }
-    let models = ["<mbsDescR7", "<robot"];
+    let models = ["<mbsDescR7", "<robot", "<mujoco"];
     let lower = text.to_ascii_lowercase();
     Some(if models.iter().any(|first| text.contains(first)) {
         FileLook::Known(FileKind::Model)

@@ -106,6 +106,7 @@ fn read_cut(
         kind,
         ends,
         ignore,
+        rotation: None,
     })
 }
 

@@ -47,7 +47,8 @@ pub(super) fn read_joint(
         initial,
         mounting: JointMounting::default(),
         limits: None,
-        losses: Default::default(),
+        law: Default::default(),
+        armature: 0.0,
     }
 }
 

@@ -76,16 +76,16 @@ impl ReadModel {
         warnings
     }
 
-    /// A warning about joints whose damping and friction are in no equation.
+    /// A warning about joints whose own forces are in no equation.
     fn losses(&self) -> Option<Diagnostic> {
         let joints = self.model.joints.iter();
         let losing: Vec<&str> = joints
-            .filter(|joint| joint.losses.are_there())
+            .filter(|joint| joint.law.are_there())
             .map(|joint| joint.name.as_str())
             .collect();
         let first = losing.first()?;
         let message = format!(
-            "damping and friction of {} joint(s), including '{first}', are in no equation",
+            "damping, friction and springs of {} joint(s), including '{first}', are in no equation",
             losing.len()
         );
         let note = "'robovec sim' uses them as laws; in equations, add them to the forces of \

@@ -68,6 +68,11 @@ pub fn unsayable(model: &Model) -> Option<String> {
             &model.joints[coupling.joint].name,
             "follows another joint, which is a user constraint in Robotran and not part of the file",
         ),
+        CutKind::Solid if cut.rotation.is_some() => Some(format!(
+            "the frames of cut '{}' are turned against each other, and those of a `.mbs` file \
+             coincide",
+            cut.name
+        )),
         CutKind::Ball | CutKind::Rod(_) | CutKind::Solid => None,
     })
 }

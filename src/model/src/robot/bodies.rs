@@ -2,11 +2,11 @@
 
 use super::RobotBase;
 use super::couplings::ResolvedMimic;
-use super::elements::{JointElement, LinkElement, RobotElements, UrdfJointKind};
+use super::elements::{ClosureElement, FrameElement, JointElement, RobotElements, RobotJointKind};
 use super::frames::{self, AxisFrame};
-use super::inertial::BodyInertia;
+use super::inertia::BodyInertia;
 use super::tree::RobotOrder;
-use crate::rotation::{FramePose, Rotation3};
+use crate::rotation::{FramePose, upright};
 use crate::xml::Messages;
 use crate::{
     Anchor, Axis, Body, Cut, CutKind, Joint, JointCoupling, JointKind, JointMounting, Model,
@@ -75,7 +75,10 @@ pub(super) fn build(
     );
     let mut builder = RobotBuilder {
         robot,
-        model: Model::new(&robot.name),
+        model: Model {
+            gravity: robot.gravity,
+            ..Model::new(&robot.name)
+        },
         places: Vec::new(),
         inertias: Vec::new(),
         numbers: vec![None; robot.joints.len()],
@@ -110,14 +113,20 @@ pub(super) fn build(
         return None;
     }
     builder.couple(couplings);
-    let frames = robot.links.iter().zip(&links);
-    let frame = |(link, place): (&LinkElement, &LinkPlace)| NamedFrame {
-        name: link.name.clone(),
-        body: place.body,
-        origin: place.pose.origin,
-        rotation: place.pose.rotation.0,
+    for closure in &robot.closures {
+        builder.close(closure, &links);
+    }
+    let frame = |frame: &FrameElement| {
+        let place = links[frame.link];
+        let pose = place.pose.then(&frame.pose);
+        NamedFrame {
+            name: frame.name.clone(),
+            body: place.body,
+            origin: pose.origin,
+            rotation: pose.rotation.0,
+        }
     };
-    builder.model.frames = frames.map(frame).collect();
+    builder.model.frames = robot.frames.iter().map(frame).collect();
     Some(builder.finish())
 }
 
@@ -135,12 +144,22 @@ impl RobotBuilder<'_> {
         let robot = self.robot;
         let joint = &robot.joints[index];
         match joint.kind {
-            UrdfJointKind::Fixed => *frame,
-            UrdfJointKind::Floating => {
+            RobotJointKind::Fixed => *frame,
+            RobotJointKind::Floating => {
                 let turns = frame.pose.rotation.turns();
-                self.series(joint.child, frame, &joint.name, &FREE, turns)
+                let place = self.series(joint.child, frame, &joint.name, &FREE, turns);
+                self.start(&joint.initial);
+                self.turn_rotors(joint.armature);
+                place
             }
-            UrdfJointKind::Planar => {
+            RobotJointKind::Ball => {
+                let turns = frame.pose.rotation.turns();
+                let mut place = self.series(joint.child, frame, &joint.name, &FREE[3..], turns);
+                self.start(&joint.initial[..3]);
+                place.pose = joint.after;
+                place
+            }
+            RobotJointKind::Planar => {
                 let upright = upright(joint.axis);
                 let rotation = frame.pose.rotation.then(&upright);
                 let mut place =
@@ -148,7 +167,7 @@ impl RobotBuilder<'_> {
                 place.pose.rotation = upright.inverse();
                 place
             }
-            UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Prismatic => {
+            RobotJointKind::Revolute | RobotJointKind::Continuous | RobotJointKind::Prismatic => {
                 self.numbers[index] = Some(self.model.joints.len());
                 self.single(joint, frame)
             }
@@ -164,16 +183,15 @@ impl RobotBuilder<'_> {
             rotation,
         } = frames::of_axis(frame.pose.rotation.apply(joint.axis));
         let kind = match joint.kind {
-            UrdfJointKind::Prismatic => JointKind::Prismatic(axis),
+            RobotJointKind::Prismatic => JointKind::Prismatic(axis),
             _ => JointKind::Revolute(axis),
         };
-        let initial = joint
-            .limits
-            .map_or(0.0, |[lower, upper]| 0.0_f64.clamp(lower, upper));
         let one = Joint {
-            initial: [initial, 0.0, 0.0],
+            initial: [joint.initial[0], 0.0, 0.0],
+            actuated: joint.actuated,
             limits: joint.limits,
-            losses: joint.losses,
+            law: joint.law,
+            armature: joint.armature,
             ..plain(joint.name.clone(), kind, mounting)
         };
         let body = self.body(joint.child, frame, &joint.name, vec![one]);
@@ -182,7 +200,31 @@ impl RobotBuilder<'_> {
             pose: FramePose {
                 rotation: rotation.inverse().then(&frame.pose.rotation),
                 origin: [0.0; 3],
-            },
+            }
+            .then(&joint.after),
+        }
+    }
+
+    /// Adds a rotor to each direction of the free body that was added last. About
+    /// its axes they turn as the body itself does: three equal moments of
+    /// inertia have no gyroscopic effect.
+    fn turn_rotors(&mut self, armature: f64) {
+        let body = self.model.bodies.last().expect("it was added");
+        for joint in &mut self.model.joints[body.joints.clone()][..3] {
+            joint.armature = armature;
+        }
+        let inertia = self.inertias.last_mut().expect("every body has one");
+        for moment in [0, 3, 5] {
+            inertia.inertia[moment] += armature;
+        }
+    }
+
+    /// Sets the initial positions of the joints that were added last.
+    fn start(&mut self, positions: &[f64]) {
+        let count = self.model.joints.len();
+        let last = &mut self.model.joints[count - positions.len()..];
+        for (joint, &position) in last.iter_mut().zip(positions) {
+            joint.initial[0] = position;
         }
     }
 
@@ -244,6 +286,38 @@ impl RobotBuilder<'_> {
         index
     }
 
+    /// Adds the cut of a loop.
+    fn close(&mut self, closure: &ClosureElement, links: &[LinkPlace]) {
+        let ends = closure.ends.map(|(link, pose)| {
+            let place = links[link];
+            (place.body, place.pose.then(&pose))
+        });
+        let anchors = [0, 1].map(|side| {
+            let (body, pose) = ends[side];
+            self.model.points.push(ModelPoint {
+                name: format!("{}_{}", closure.name, side + 1),
+                body,
+                coordinates: pose.origin,
+            });
+            Anchor {
+                body,
+                point: Some(self.model.points.len() - 1),
+            }
+        });
+        let [first, second] = ends.map(|(_, pose)| pose.rotation);
+        let between = first.then(&second.inverse());
+        self.model.cuts.push(Cut {
+            name: closure.name.clone(),
+            kind: match closure.is_solid {
+                true => CutKind::Solid,
+                false => CutKind::Ball,
+            },
+            ends: anchors,
+            ignore: [false; 3],
+            rotation: (closure.is_solid && !between.is_identity()).then_some(between.0),
+        });
+    }
+
     /// Adds the couplings of joints that follow others.
     fn couple(&mut self, couplings: &[Option<ResolvedMimic>]) {
         for (index, coupling) in couplings.iter().enumerate() {
@@ -277,6 +351,7 @@ impl RobotBuilder<'_> {
                 }),
                 ends,
                 ignore: [false; 3],
+                rotation: None,
             });
         }
     }
@@ -304,11 +379,9 @@ impl RobotBuilder<'_> {
             number_of[point] = number;
         }
         model.points = order.iter().map(|&at| model.points[at].clone()).collect();
-        for point in model
-            .bodies
-            .iter_mut()
-            .filter_map(|body| body.point.as_mut())
-        {
+        let bodies = model.bodies.iter_mut().map(|body| &mut body.point);
+        let ends = model.cuts.iter_mut().flat_map(|cut| &mut cut.ends);
+        for point in bodies.chain(ends.map(|end| &mut end.point)).flatten() {
             *point = number_of[*point];
         }
         model.connect();
@@ -334,31 +407,7 @@ fn plain(name: String, kind: JointKind, mounting: JointMounting) -> Joint {
         initial: [0.0; 3],
         mounting,
         limits: None,
-        losses: Default::default(),
+        law: Default::default(),
+        armature: 0.0,
     }
-}
-
-/// The shortest rotation after which the third axis is the direction, which
-/// has length one; against the axis, half a turn about the first one.
-fn upright([x, y, z]: [f64; 3]) -> Rotation3 {
-    let aside = x * x + y * y;
-    if aside == 0.0 {
-        return if z < 0.0 {
-            Rotation3::about(Axis::X, std::f64::consts::PI)
-        } else {
-            Rotation3::IDENTITY
-        };
-    }
-    // `1 / (1 + z)`, in the form that does not cancel.
-    let factor = if z < 0.0 {
-        (1.0 - z) / aside
-    } else {
-        1.0 / (1.0 + z)
-    };
-    let both = -x * y * factor;
-    Rotation3([
-        [1.0 - x * x * factor, both, x],
-        [both, 1.0 - y * y * factor, y],
-        [-x, -y, z],
-    ])
 }

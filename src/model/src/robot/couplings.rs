@@ -1,6 +1,6 @@
 //! Joints that mimic others: each by the joint at the end of its leaders.
 
-use super::elements::{RobotElements, UrdfJointKind, joint_title};
+use super::elements::{RobotElements, joint_title};
 use crate::xml::Messages;
 use robovec_ir::diagnostic::did_you_mean;
 use rustc_hash::FxHashMap;
@@ -12,13 +12,6 @@ pub(super) struct ResolvedMimic {
     pub(super) leader: usize,
     pub(super) factor: f64,
     pub(super) offset: f64,
-}
-
-fn can_follow(kind: UrdfJointKind) -> bool {
-    matches!(
-        kind,
-        UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Prismatic
-    )
 }
 
 /// For every joint, the joint that it follows.
@@ -88,7 +81,7 @@ fn direct(
     let joint = &robot.joints[joint];
     let mimic = joint.mimic.as_ref()?;
     let title = joint_title(&joint.name);
-    if !can_follow(joint.kind) {
+    if !joint.kind.has_axis() {
         messages.warn(
             mimic.place.clone(),
             &format!("{title} has no position that could follow"),
@@ -99,7 +92,7 @@ fn direct(
     }
     let found = numbers.get(mimic.leader.as_str()).copied();
     let (message, label, help) = match found {
-        Some(leader) if can_follow(robot.joints[leader].kind) => {
+        Some(leader) if robot.joints[leader].kind.has_axis() => {
             return Some(ResolvedMimic {
                 leader,
                 factor: mimic.factor,

@@ -1,10 +1,12 @@
-//! The reader of URDF, the XML in which robots are exchanged.
+//! The readers of robots: URDF and MJCF, the XML in which they are exchanged.
 //!
-//! A file passes through [`super::xml`] (bytes to a tree of elements),
-//! [`elements`] and [`attributes`] (the content of elements, with their
-//! places), [`tree`] (links and joints in the order from the base), [`frames`]
-//! (the frame of each moving body) and [`bodies`] (the model). Drawings,
-//! materials, collisions and extensions of simulators are skipped.
+//! A file passes through [`crate::xml`] (bytes to a tree of elements), a reader
+//! of its format ([`urdf`], [`mjcf`]) that makes [`elements`] of it, links and
+//! joints with their places, and from there on one way: [`tree`] (links and
+//! joints in the order from the base), [`couplings`] (joints that follow
+//! others), [`frames`] (the frame of each moving body) and [`bodies`] (the
+//! model). Drawings, materials, collisions and extensions of simulators are
+//! skipped.
 //!
 //! Frames of bodies are chosen, not copied: the frame of a body is that of the
 //! body it is attached to, where all joints are at zero, unless the axis of its
@@ -20,22 +22,26 @@ mod bodies;
 mod couplings;
 mod elements;
 mod frames;
-mod inertial;
+mod inertia;
+mod mjcf;
 mod tree;
+mod urdf;
 
 use super::mbs::{ModelError, ReadModel};
 use super::xml::{self, Messages};
 use super::{Model, physics};
+pub use mjcf::with_includes;
 use robovec_ir::diagnostic::Report;
 
 /// Base of a robot.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum RobotBase {
-    /// The first link is at rest, as the format defines.
+    /// The first link is at rest, as URDF defines, and free joints are those of
+    /// the file.
     #[default]
     Fixed,
-    /// The first link moves freely, by six joints: three translations, then
-    /// yaw, pitch and roll.
+    /// The first link of a URDF file moves freely, by six joints: three
+    /// translations, then yaw, pitch and roll.
     Floating,
 }
 
@@ -60,24 +66,25 @@ impl From<RobotBase> for RobotReading {
     }
 }
 
-/// Description of a URDF file, for messages.
+/// Description of a file of a robot, for messages.
 const KIND: xml::DocumentKind = xml::DocumentKind {
-    last: "</robot>",
-    what: "a URDF file is XML; one that xacro makes a robot of must pass through xacro first",
-    first: "a URDF file's first element is `<robot>`",
+    last: "</robot>` or `</mujoco>",
+    what: "URDF and MJCF files are XML; one that xacro makes a robot of must pass through xacro first",
+    first: "the first element of a URDF file is `<robot>`, of an MJCF file `<mujoco>`",
 };
 
-/// Reads a URDF file. The name serves messages, and names a robot that has no
-/// other name.
+/// Reads a URDF or MJCF file. The name serves messages, and names a robot that
+/// has no other name.
 ///
 /// # Errors
 ///
 /// Everything that keeps the file from being a model, each with its place:
 /// text that is not XML or is cut short, document types and entities, unknown
 /// or repeated names, links on a cycle or with two parents, unknown kinds of
-/// joints, axes of no length, numbers that are none, more joints than
+/// joints, axes of no length, numbers that are none, elements whose effect on
+/// the equations is not supported, more joints than
 /// [`JOINT_LIMIT`](robovec_robotran::conventions::JOINT_LIMIT).
-pub fn read_urdf(
+pub fn read_robot(
     name: &str,
     bytes: &[u8],
     reading: impl Into<RobotReading>,
@@ -97,12 +104,16 @@ pub fn read_urdf(
         .and_then(|document| read_document(name, &document, reading, &mut messages));
     match model {
         Some(model) if !messages.has_errors() => {
+            let left_out = messages.take_left_out();
             let warnings = messages.into_diagnostics();
-            let shown = if warnings.is_empty() { "" } else { &text };
+            let report = |diagnostics: Vec<_>| {
+                let shown = if diagnostics.is_empty() { "" } else { &text };
+                Report::of(name, shown, diagnostics)
+            };
             Ok(ReadModel {
                 model,
-                warnings: Report::of(name, shown, warnings),
-                left_out: Report::new(),
+                warnings: report(warnings),
+                left_out: report(left_out),
             })
         }
         _ => Err(ModelError {
@@ -116,11 +127,25 @@ pub fn read_urdf(
 fn read_document(
     name: &str,
     document: &roxmltree::Document<'_>,
-    reading: RobotReading,
+    mut reading: RobotReading,
     messages: &mut Messages,
 ) -> Option<Model> {
     let root = document.root_element();
-    let robot = elements::read((name, reading.right_angle), root, messages)?;
+    let file = (name, reading.right_angle);
+    let robot = if root.tag_name().name() == "mujoco" {
+        if reading.base == RobotBase::Floating {
+            messages.warn(
+                xml::place(root),
+                "an MJCF file has free joints itself: --base floating is passed over",
+                "this file",
+                "write `<freejoint/>` in the body that moves freely",
+            );
+            reading.base = RobotBase::Fixed;
+        }
+        mjcf::read(file, root, messages)?
+    } else {
+        urdf::read(file, root, messages)?
+    };
     let order = tree::order(&robot, messages)?;
     let couplings = couplings::resolve(&robot, messages);
     if messages.has_errors() {

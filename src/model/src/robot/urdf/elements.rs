@@ -1,10 +1,15 @@
-//! Elements of a robot.
+//! Elements of a URDF file.
 
-use super::attributes::{
+use super::inertial::read_inertial;
+use super::rotors;
+use crate::JointLaw;
+use crate::robot::attributes::{
     children, name, number, number_or, place_in, place_of, read_pose, remark_unknown, triple,
 };
-use super::inertial::{LinkInertial, read_inertial};
-use crate::JointLosses;
+use crate::robot::elements::{
+    FrameElement, JointElement, LinkElement, MimicElement, RobotElements, RobotJointKind,
+    joint_title,
+};
 use crate::rotation::FramePose;
 use crate::xml::{Messages, is_usable, place, second, stem};
 use robovec_ir::diagnostic::{clip, did_you_mean};
@@ -12,72 +17,17 @@ use roxmltree::Node;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
-/// A robot, its references by name resolved.
-pub(super) struct RobotElements {
-    pub(super) name: String,
-    pub(super) links: Vec<LinkElement>,
-    pub(super) joints: Vec<JointElement>,
-    /// Place where the robot's element begins.
-    pub(super) place: Range<usize>,
-}
-
-pub(super) struct LinkElement {
-    pub(super) name: String,
-    pub(super) inertial: Option<LinkInertial>,
-    pub(super) place: Range<usize>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum UrdfJointKind {
-    Fixed,
-    Revolute,
-    Continuous,
-    Prismatic,
-    Planar,
-    Floating,
-}
-
-const KINDS: [(&str, UrdfJointKind); 6] = [
-    ("revolute", UrdfJointKind::Revolute),
-    ("continuous", UrdfJointKind::Continuous),
-    ("prismatic", UrdfJointKind::Prismatic),
-    ("fixed", UrdfJointKind::Fixed),
-    ("floating", UrdfJointKind::Floating),
-    ("planar", UrdfJointKind::Planar),
+const KINDS: [(&str, RobotJointKind); 6] = [
+    ("revolute", RobotJointKind::Revolute),
+    ("continuous", RobotJointKind::Continuous),
+    ("prismatic", RobotJointKind::Prismatic),
+    ("fixed", RobotJointKind::Fixed),
+    ("floating", RobotJointKind::Floating),
+    ("planar", RobotJointKind::Planar),
 ];
 
-pub(super) struct JointElement {
-    pub(super) name: String,
-    pub(super) kind: UrdfJointKind,
-    /// Links, by index.
-    pub(super) parent: usize,
-    pub(super) child: usize,
-    /// Of the joint's frame in the parent's.
-    pub(super) origin: FramePose,
-    /// Of length one, in the joint's frame.
-    pub(super) axis: [f64; 3],
-    pub(super) limits: Option<[f64; 2]>,
-    pub(super) losses: JointLosses,
-    pub(super) mimic: Option<MimicElement>,
-    pub(super) place: Range<usize>,
-    pub(super) child_place: Range<usize>,
-}
-
-/// Joint whose motion another one follows.
-pub(super) struct MimicElement {
-    pub(super) leader: String,
-    pub(super) factor: f64,
-    pub(super) offset: f64,
-    pub(super) place: Range<usize>,
-}
-
-/// Title of a joint in messages.
-pub(super) fn joint_title(name: &str) -> String {
-    format!("joint '{}'", clip(name))
-}
-
 /// Reads the elements of a robot; `None`, with errors, when it is none.
-pub(super) fn read(
+pub(in crate::robot) fn read(
     (file, right_angle): (&str, f64),
     root: Node<'_, '_>,
     messages: &mut Messages,
@@ -87,7 +37,7 @@ pub(super) fn read(
             place(root),
             "this is XML, but not a robot",
             "the first element is not `robot`",
-            "give a URDF file; files of other formats must be converted to it first",
+            "give a URDF or MJCF file; those of SDF and other formats must be converted first",
         );
         return None;
     }
@@ -138,10 +88,22 @@ pub(super) fn read(
         }
         joints.push(joint);
     }
+    rotors::add(of("transmission"), &mut joints, messages);
+    let frames = links
+        .iter()
+        .enumerate()
+        .map(|(link, element)| FrameElement {
+            name: element.name.clone(),
+            link,
+            pose: FramePose::HERE,
+        });
     Some(RobotElements {
         name,
+        gravity: [0.0, 0.0, -9.81],
+        frames: frames.collect(),
         links,
         joints,
+        closures: Vec::new(),
         place: place(root),
     })
 }
@@ -294,9 +256,9 @@ fn read_joint(
     let ends = [("parent", parent), ("child", child)]
         .map(|(which, child)| end(node, child, (which, &title), numbers, messages));
     let limits = limit.and_then(|limit| read_limits(limit, kind?, &title, messages));
-    let losses = match dynamics {
-        Some(dynamics) => read_losses(dynamics, kind, &title, messages),
-        None => JointLosses::default(),
+    let (law, armature) = match dynamics {
+        Some(dynamics) => read_dynamics(dynamics, kind, &title, messages),
+        None => Default::default(),
     };
     let axis = read_axis(axis, kind, &title, messages);
     let mimic = mimic.and_then(|mimic| {
@@ -309,6 +271,7 @@ fn read_joint(
         })
     });
     let origin = read_pose(origin, (&title, right_angle), messages);
+    let initial = limits.map_or(0.0, |[lower, upper]| 0.0_f64.clamp(lower, upper));
     let [parent, child_link] = ends;
     Some(JointElement {
         name: joint_name?,
@@ -317,15 +280,19 @@ fn read_joint(
         child: child_link?,
         origin,
         axis,
+        after: FramePose::HERE,
+        initial: [initial, 0.0, 0.0, 0.0, 0.0, 0.0],
+        actuated: false,
         limits,
-        losses,
+        law,
+        armature,
         mimic,
         place: place_of(node, "name"),
         child_place: place_in(node, child, "link"),
     })
 }
 
-fn read_kind(node: Node<'_, '_>, title: &str, messages: &mut Messages) -> Option<UrdfJointKind> {
+fn read_kind(node: Node<'_, '_>, title: &str, messages: &mut Messages) -> Option<RobotJointKind> {
     let text = name(node, "type", title, messages)?;
     let found = KINDS.iter().find(|(name, _)| *name == text);
     if found.is_none() {
@@ -347,14 +314,14 @@ fn read_kind(node: Node<'_, '_>, title: &str, messages: &mut Messages) -> Option
 /// The axis, of length one; the first axis where none is given.
 fn read_axis(
     node: Option<Node<'_, '_>>,
-    kind: Option<UrdfJointKind>,
+    kind: Option<RobotJointKind>,
     title: &str,
     messages: &mut Messages,
 ) -> [f64; 3] {
     let default = [1.0, 0.0, 0.0];
     let needed = !matches!(
         kind,
-        None | Some(UrdfJointKind::Fixed | UrdfJointKind::Floating)
+        None | Some(RobotJointKind::Fixed | RobotJointKind::Floating)
     );
     let (Some(node), true) = (node, needed) else {
         return default;
@@ -384,11 +351,11 @@ fn read_axis(
 
 fn read_limits(
     node: Node<'_, '_>,
-    kind: UrdfJointKind,
+    kind: RobotJointKind,
     title: &str,
     messages: &mut Messages,
 ) -> Option<[f64; 2]> {
-    if !matches!(kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic) {
+    if !matches!(kind, RobotJointKind::Revolute | RobotJointKind::Prismatic) {
         return None;
     }
     let title = format!("the limit of {title}");
@@ -413,40 +380,41 @@ fn read_limits(
     Some(limits)
 }
 
-/// The damping and friction of `dynamics`, of joints that move along or about
-/// one axis.
-fn read_losses(
+/// Damping and friction, and the inertia of the rotor, of joints that move along
+/// or about one axis.
+fn read_dynamics(
     node: Node<'_, '_>,
-    kind: Option<UrdfJointKind>,
+    kind: Option<RobotJointKind>,
     title: &str,
     messages: &mut Messages,
-) -> JointLosses {
+) -> (JointLaw, f64) {
     let title = format!("the dynamics of {title}");
-    let [damping, friction] = ["damping", "friction"].map(|name| {
+    let [damping, friction, armature] = ["damping", "friction", "armature"].map(|name| {
         let value = number_or(node, name, 0.0, &title, messages);
         if value < 0.0 {
             messages.warn(
                 place_of(node, name),
                 &format!("{title} would give energy: the {name} is {value}"),
                 "taken as 0",
-                "damping and friction are zero or positive",
+                "damping, friction and armature are zero or positive",
             );
         }
         value.max(0.0)
     });
-    let losses = JointLosses { damping, friction };
-    let has_axis = !matches!(
-        kind,
-        Some(UrdfJointKind::Fixed | UrdfJointKind::Floating | UrdfJointKind::Planar)
-    );
-    if has_axis || !losses.are_there() {
-        return losses;
+    let law = JointLaw {
+        damping,
+        friction,
+        ..JointLaw::default()
+    };
+    let has_axis = kind.is_none_or(RobotJointKind::has_axis);
+    if has_axis || !law.are_there() && armature == 0.0 {
+        return (law, armature);
     }
     messages.warn(
         place(node),
         &format!("{title} are left out"),
         "passed over",
-        "only joints about or along one axis have damping and friction",
+        "only joints about or along one axis have damping, friction and armature",
     );
-    JointLosses::default()
+    Default::default()
 }

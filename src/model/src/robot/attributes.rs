@@ -150,6 +150,29 @@ pub(super) fn required(
     number_or(node, attribute, 0.0, owner, messages)
 }
 
+/// Numbers in an attribute; `None` where it is missing, and with an error for
+/// any other text.
+pub(super) fn numbers(
+    node: Node<'_, '_>,
+    attribute: &str,
+    owner: &str,
+    messages: &mut Messages,
+) -> Option<Vec<f64>> {
+    let mut values = Vec::new();
+    for word in node.attribute(attribute)?.split_whitespace() {
+        match parse_number(word) {
+            Ok(value) => values.push(value),
+            Err(refusal) => {
+                let message = format!("'{attribute}' of {owner}{}", refusal.message);
+                let range = place_of(node, attribute);
+                messages.error(range, &message, refusal.label, refusal.help);
+                return None;
+            }
+        }
+    }
+    Some(values)
+}
+
 /// Three numbers in an attribute; `default` where it is missing, and an error
 /// for any other text.
 pub(super) fn triple(
@@ -159,34 +182,18 @@ pub(super) fn triple(
     default: [f64; 3],
     messages: &mut Messages,
 ) -> [f64; 3] {
-    let Some(text) = node.attribute(attribute) else {
+    let Some(values) = numbers(node, attribute, owner, messages) else {
         return default;
     };
-    let mut values = default;
-    let mut count = 0;
-    for word in text.split_whitespace() {
-        match parse_number(word) {
-            Ok(value) if count < 3 => values[count] = value,
-            Ok(_) => {}
-            Err(refusal) => {
-                let message = format!("'{attribute}' of {owner}{}", refusal.message);
-                let range = place_of(node, attribute);
-                messages.error(range, &message, refusal.label, refusal.help);
-                return default;
-            }
-        }
-        count += 1;
-    }
-    if count != 3 {
+    values[..].try_into().unwrap_or_else(|_| {
         messages.error(
             place_of(node, attribute),
-            &format!("'{attribute}' of {owner} holds {count} numbers"),
+            &format!("'{attribute}' of {owner} holds {} numbers", values.len()),
             "three are wanted",
             "write three numbers with blanks between them, such as \"0 0 1.5\"",
         );
-        return default;
-    }
-    values
+        default
+    })
 }
 
 /// The pose in an `origin`, if there is one.

@@ -1,0 +1,232 @@
+//! Loops: the section `equality`.
+//!
+//! | element | becomes |
+//! |---|---|
+//! | `connect` | a cut in which two points coincide |
+//! | `weld` | a cut in which two frames coincide |
+//! | `joint` | a joint that follows another one, if the polynomial is linear |
+//! | `tendon` | the same, for a fixed tendon over two joints |
+
+use super::MjcfReader;
+use crate::robot::attributes::{numbers, place_of, triple};
+use crate::robot::elements::{ClosureElement, MimicElement, joint_title};
+use crate::rotation::{FramePose, Rotation3};
+use crate::xml::place;
+use robovec_ir::diagnostic::{clip, did_you_mean};
+use roxmltree::Node;
+use rustc_hash::FxHashMap;
+
+/// A place on a link.
+pub(super) type LinkPoint = (usize, FramePose);
+
+impl<'a> MjcfReader<'a, '_> {
+    pub(super) fn equalities(&mut self, section: Node<'a, 'a>) {
+        let elements = section.children().filter(Node::is_element);
+        for (number, node) in elements.enumerate() {
+            if node
+                .attribute("active")
+                .is_some_and(|text| text.trim() == "false")
+            {
+                continue;
+            }
+            match node.tag_name().name() {
+                "connect" | "weld" => self.closure(node, number + 1),
+                "joint" => {
+                    let names = ["joint1", "joint2"].map(|name| self.reference(node, name));
+                    let polynomial = self.polynomial(node);
+                    if let ([Some(follower), Some(leader)], Some(polynomial)) = (names, polynomial)
+                    {
+                        self.follow(node, (follower, leader), polynomial);
+                    }
+                }
+                "tendon" => self.tendon_equality(node),
+                other => self.messages.error(
+                    place(node),
+                    &format!("an equality of kind `{}` is not supported", clip(other)),
+                    "connect, weld, joint and tendon are",
+                    "remove it, or write `active=\"false\"`",
+                ),
+            }
+        }
+    }
+
+    /// The joint that an attribute names, an index.
+    fn reference(&mut self, node: Node<'a, 'a>, attribute: &str) -> Option<usize> {
+        let Some(name) = node.attribute(attribute).map(str::trim) else {
+            self.messages.error(
+                place(node),
+                &format!("an equality of joints has no '{attribute}'"),
+                "in this element",
+                "name both joints; one that does not move can be held: --hold",
+            );
+            return None;
+        };
+        self.named_joint(node, attribute, name)
+    }
+
+    /// The joint of a name, an index.
+    pub(super) fn named_joint(
+        &mut self,
+        node: Node<'a, 'a>,
+        attribute: &str,
+        name: &str,
+    ) -> Option<usize> {
+        match self.joints.get(name) {
+            Some(&joint) if self.robot.joints[joint].kind.has_axis() => Some(joint),
+            Some(_) => {
+                self.messages.error(
+                    place_of(node, attribute),
+                    &format!("{} has several axes", joint_title(name)),
+                    "only a joint of one axis has a position",
+                    "name a hinge or a slide",
+                );
+                None
+            }
+            None => {
+                let help = advice(&self.joints, name, "joint");
+                self.messages.error(
+                    place_of(node, attribute),
+                    &format!("{} is not there", joint_title(name)),
+                    "there is no joint of this name",
+                    &help,
+                );
+                None
+            }
+        }
+    }
+
+    /// Constant and slope of the polynomial of an equality.
+    pub(super) fn polynomial(&mut self, node: Node<'a, 'a>) -> Option<[f64; 2]> {
+        let given = numbers(node, "polycoef", "the equality", self.messages);
+        let given = given.unwrap_or_else(|| vec![0.0, 1.0]);
+        if given.iter().skip(2).any(|&x| x != 0.0) {
+            self.messages.error(
+                place_of(node, "polycoef"),
+                "this equality of joints is not linear",
+                "coefficients beyond the second one",
+                "only `polycoef=\"a b 0 0 0\"` is supported",
+            );
+            return None;
+        }
+        Some([0, 1].map(|index| given.get(index).copied().unwrap_or(0.0)))
+    }
+
+    /// Lets a joint follow another one: its way from its start is the constant
+    /// and the slope times the way of the leader.
+    pub(super) fn follow(
+        &mut self,
+        node: Node<'a, 'a>,
+        (follower, leader): (usize, usize),
+        [constant, slope]: [f64; 2],
+    ) {
+        let [start, before] = [follower, leader].map(|joint| self.robot.joints[joint].initial[0]);
+        let mimic = MimicElement {
+            leader: self.robot.joints[leader].name.clone(),
+            factor: slope,
+            offset: constant + start - slope * before,
+            place: place(node),
+        };
+        let follower = &mut self.robot.joints[follower];
+        if follower.mimic.is_some() {
+            self.messages.error(
+                place(node),
+                &format!("{} follows two joints", joint_title(&follower.name)),
+                "the second equality of this joint",
+                "exchange the joints of one of them, or remove it",
+            );
+        }
+        follower.mimic = Some(mimic);
+    }
+
+    fn closure(&mut self, node: Node<'a, 'a>, number: usize) {
+        let is_solid = node.tag_name().name() == "weld";
+        let kind = if is_solid { "weld" } else { "connect" };
+        let name = node.attribute("name").map(str::trim).unwrap_or_default();
+        let ends = match node.has_attribute("site1") {
+            true => ["site1", "site2"].map(|name| self.site(node, name)),
+            false => self.ends_on_bodies(node, is_solid),
+        };
+        if let [Some(first), Some(second)] = ends {
+            self.robot.closures.push(ClosureElement {
+                name: match name {
+                    "" => format!("{kind}{number}"),
+                    name => name.to_owned(),
+                },
+                is_solid,
+                ends: [first, second],
+            });
+        }
+    }
+
+    fn site(&mut self, node: Node<'a, 'a>, attribute: &str) -> Option<LinkPoint> {
+        let name = node.attribute(attribute).map(str::trim).unwrap_or_default();
+        let found = self.sites.get(name).copied();
+        if found.is_none() {
+            let help = advice(&self.sites, name, "site");
+            self.messages.error(
+                place_of(node, attribute),
+                &format!("there is no site '{}'", clip(name)),
+                "one end of a loop",
+                &help,
+            );
+        }
+        found
+    }
+
+    /// The body that an attribute names; the world for the second one without.
+    fn end_body(&mut self, node: Node<'a, 'a>, attribute: &str) -> Option<usize> {
+        let name = match node.attribute(attribute).map(str::trim) {
+            Some(name) => name,
+            None if attribute == "body2" => "world",
+            None => "",
+        };
+        let found = self.bodies.get(name).copied();
+        if found.is_none() {
+            let help = advice(&self.bodies, name, "body");
+            self.messages.error(
+                place_of(node, attribute),
+                &format!("there is no body '{}'", clip(name)),
+                "one end of a loop",
+                &help,
+            );
+        }
+        found
+    }
+
+    fn ends_on_bodies(&mut self, node: Node<'a, 'a>, is_solid: bool) -> [Option<LinkPoint>; 2] {
+        let [Some(first), Some(second)] = ["body1", "body2"].map(|name| self.end_body(node, name))
+        else {
+            return [None; 2];
+        };
+        let owner = "the equality";
+        let anchor = FramePose::at(triple(node, "anchor", owner, [0.0; 3], self.messages));
+        let apart = self.start[first].inverse().then(&self.start[second]);
+        if !is_solid {
+            // The anchor is on the first body; the second one has it at the start.
+            let other = apart.inverse().then(&anchor);
+            let ends = [(first, anchor), (second, FramePose::at(other.origin))];
+            return ends.map(Some);
+        }
+        let relative = match numbers(node, "relpose", owner, self.messages).as_deref() {
+            Some(&[x, y, z, a, b, c, d]) if [a, b, c, d] != [0.0; 4] => FramePose {
+                rotation: Rotation3::from_quaternion([a, b, c, d]),
+                origin: [x, y, z],
+            },
+            _ => apart,
+        };
+        [
+            Some((first, relative.then(&anchor))),
+            Some((second, anchor)),
+        ]
+    }
+}
+
+/// Advice about a name that is not there.
+fn advice<T>(known: &FxHashMap<String, T>, name: &str, noun: &str) -> String {
+    let mut names: Vec<&str> = known.keys().map(String::as_str).collect();
+    names.sort_unstable();
+    match did_you_mean(name, names) {
+        Some(near) => format!("did you mean '{near}'?"),
+        None => format!("name a {noun} of the model"),
+    }
+}
