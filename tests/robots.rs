@@ -6,6 +6,7 @@ mod draw;
 mod frames;
 mod losses;
 mod mjcf;
+mod quaternion;
 mod refusals;
 mod shipped;
 

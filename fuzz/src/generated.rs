@@ -50,6 +50,7 @@ fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, GenerationRequest, Lang
             multipliers: bytes.arbitrary()?,
             user_constraints: bytes.int_in_range(0..=2)?,
             growth: bytes.arbitrary()?,
+            quaternion: false,
         },
     };
     Ok((model, request, *bytes.choose(&Language::ALL)?))

@@ -241,6 +241,24 @@ fn files_include_others() {
     assert!(told.contains("4.18"), "{told}");
 }
 
+/// Forces that no law expresses are named, and the rest moves.
+#[test]
+fn forces_that_are_left_out_are_warnings() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("ball.xml");
+    let text = "<mujoco><option viscosity='0.1'/><worldbody><body gravcomp='1'><joint type='ball' \
+                damping='1'/><geom size='0.1' pos='0 0 -1'/></body></worldbody><tendon><spatial \
+                stiffness='2'/></tendon></mujoco>";
+    fs::write(&path, text).expect("written");
+    let path = path.to_str().expect("a plain name");
+    for arguments in [vec!["gen", path], vec!["sim", path, "--time", "0.1"]] {
+        let output = robovec(&arguments);
+        said(&output);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(message.matches("in no equation").count(), 4, "{message}");
+    }
+}
+
 /// The mechanisms that ship close their loops, and their equations hold what
 /// the file gives.
 #[test]

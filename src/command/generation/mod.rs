@@ -77,6 +77,10 @@ pub(super) struct GenArguments {
     /// named Qq_q
     #[arg(long)]
     jacobians: bool,
+    /// Describe the free base of a model by a quaternion, quat = (x, y, z, w), and
+    /// by its velocity, acceleration and force along its own axes
+    #[arg(long)]
+    quaternion: bool,
     /// Number of constraint rows that the user computes (user_cons_hJ,
     /// user_cons_jdqd); they determine as many dependent joints of the model,
     /// in addition to those of the loops
@@ -120,6 +124,7 @@ impl GenArguments {
             ("--any-angles", self.any_angles),
             ("--multipliers", self.multipliers),
             ("--jacobians", self.jacobians),
+            ("--quaternion", self.quaternion),
             ("--user-constraints", self.user_constraints > 0),
             ("--driven", !self.driven.is_empty()),
             ("--hold", !self.hold.is_empty()),
@@ -170,6 +175,7 @@ impl GenArguments {
             multipliers: self.multipliers,
             user_constraints: self.user_constraints,
             growth: false,
+            quaternion: self.quaternion,
         }
     }
 }

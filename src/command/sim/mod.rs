@@ -237,9 +237,13 @@ fn motion(arguments: &SimArguments) -> Result<String, CommandFailure> {
     }
 }
 
-/// Refuses a model with forces that are in no equation: its motion would be
-/// that of another model.
+/// Refuses a model with links that are in no equation: its motion would be that
+/// of another model. Forces of robots that are left out are warnings.
 fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
+    if read.model.links3d.is_empty() {
+        super::emit(&read.left_out);
+        return Ok(());
+    }
     let (false, Some(file)) = (read.left_out.is_empty(), read.left_out.files().first()) else {
         return Ok(());
     };

@@ -138,7 +138,7 @@ impl Rotation3 {
     /// Yaw, pitch and roll, rad.
     pub(super) fn yaw_pitch_roll(&self) -> [f64; 3] {
         let m = &self.0;
-        let pitch = (-m[2][0]).atan2(m[0][0].hypot(m[1][0]));
+        let pitch = (0.0 - m[2][0]).atan2(m[0][0].hypot(m[1][0]));
         let (yaw, roll) = if m[0][0].hypot(m[1][0]) <= 4.0 * DUST {
             // Only the sum or difference of yaw and roll is determined.
             ((-m[0][1]).atan2(m[1][1]), 0.0)

@@ -64,7 +64,7 @@ impl<'a, 'm> Bias<'a, 'm> {
             parameters,
             offsets,
             composites,
-            accelerations: &[],
+            accelerations: &parameters.resting,
         }
     }
 

@@ -29,7 +29,7 @@ pub(super) fn direct(
     options: &Options,
 ) {
     let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
-    recursion.forward(&[]);
+    recursion.forward(&parameters.resting);
     let bias = recursion.backward();
     let mut columns = Columns {
         recursion: &mut recursion,

@@ -87,6 +87,7 @@ impl<'m> ModelFrames<'m> {
         JointNumbers {
             numbers: all.clone().map(number).collect(),
             reversed: all.map(|frame| self.is_reversed(frame)).collect(),
+            ..JointNumbers::default()
         }
     }
 

@@ -37,9 +37,21 @@ pub(super) struct JointNumbers {
     /// By frame: 0 for a constant rotation. Empty where frames are joints.
     pub(super) numbers: Vec<u32>,
     pub(super) reversed: Vec<bool>,
+    /// Yaw and roll of a free base are exchanged: its arrays have roll, pitch and
+    /// yaw in this order, as the components of a vector.
+    pub(super) is_exchanged: bool,
 }
 
 impl JointNumbers {
+    /// Exchanges yaw and roll of the free base of a model with so many frames.
+    pub(super) fn exchange(&mut self, frames: usize) {
+        if self.numbers.is_empty() {
+            self.numbers = (1..=frames as u32).collect();
+            self.reversed = vec![false; frames];
+        }
+        self.is_exchanged = true;
+    }
+
     /// The indices of an element in arrays of joints, and a flag: true when its
     /// sign changes; `None` for one of a constant rotation.
     pub(super) fn element(&self, array: &str, mut indices: [u32; 2]) -> Option<([u32; 2], bool)> {
@@ -56,6 +68,9 @@ impl JointNumbers {
                 return None;
             }
             *index = self.numbers[frame];
+            if self.is_exchanged && meaning == IndexMeaning::Coordinate && (4..=6).contains(index) {
+                *index = 10 - *index;
+            }
             negative ^= meaning == IndexMeaning::Coordinate && self.reversed[frame];
         }
         Some((indices, negative))

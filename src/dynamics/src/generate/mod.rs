@@ -28,6 +28,7 @@ mod factor;
 mod forces;
 mod formulation;
 mod frames;
+mod free_base;
 mod grouping;
 mod hub;
 mod inertia;
@@ -132,6 +133,10 @@ pub struct Options {
     /// each row of the user, and then of each of [`massless`], enlarges
     /// rounding.
     pub growth: bool,
+    /// Describe the free base of the model by the quaternion `quat` (`x y z w`, of
+    /// length one), and by its velocity, acceleration and force along its own
+    /// axes, the linear ones first; its positions are not read.
+    pub quaternion: bool,
 }
 
 impl Default for Options {
@@ -148,6 +153,7 @@ impl Default for Options {
             multipliers: false,
             user_constraints: 0,
             growth: false,
+            quaternion: false,
         }
     }
 }
@@ -303,6 +309,14 @@ pub enum GenerateError {
         /// The name of the function.
         function: &'static str,
     },
+    /// The base cannot be described by a quaternion.
+    #[error("the base of '{model}' cannot be described by a quaternion: {why}")]
+    Quaternion {
+        /// The name of the model.
+        model: String,
+        /// The reason.
+        why: String,
+    },
     /// There is no motion to linearise.
     #[error("no joint of '{0}' moves freely")]
     Motionless(String),
@@ -438,6 +452,9 @@ pub fn generate_into(
         return Err(GenerateError::Inconsistent(model.name.clone()));
     }
     formulation::check(model, request)?;
+    if request.options.quaternion {
+        free_base::check(model, request)?;
+    }
     within_limit(model, request)?;
     let cases = match request.function {
         FunctionKind::Sensor => model.sensors.len() + model.forces.len(),

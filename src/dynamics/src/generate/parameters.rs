@@ -5,9 +5,10 @@
 //! appears, unless all parameter symbols are requested. A joint whose velocity
 //! has no symbol is at rest.
 
-use super::algebra::Scalar;
+use super::algebra::{Scalar, Sum, given};
 use super::equations::{Equations, QuantityLabel};
 use super::frames::ModelFrames;
+use super::free_base;
 use super::grouping::grouped;
 use super::vector::{
     AxisRotation, Inertia, Matrix, SumVector, Vector, ZERO, add_vector, define_as, sums,
@@ -35,6 +36,9 @@ pub(super) struct ModelParameters<'m> {
     pub(super) q: Vec<Scalar>,
     /// Joint velocities.
     pub(super) qd: Vec<Scalar>,
+    /// Accelerations of joints whose `qdd` is zero: those of a free base that a
+    /// quaternion describes. Joints beyond the list have none.
+    pub(super) resting: Vec<Scalar>,
     /// External force on each body at its centre of mass, in its frame.
     pub(super) forces: Vec<Vector>,
     /// External torque on each body, in its frame.
@@ -86,8 +90,11 @@ impl<'m> ModelParameters<'m> {
         let model: &Model = &frames.model;
         let joints = 0..model.joints.len();
         equations.numbers_of_joints = frames.joint_numbers();
+        if options.quaternion {
+            equations.numbers_of_joints.exchange(model.joints.len());
+        }
         let mut source = ParameterSource { options, equations };
-        let gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
+        let mut gravity = [0, 1, 2].map(|i| source.parameter("g", &[i + 1], model.gravity[i]));
         // Symbols are numbered as they are named: one array after the other.
         let masses = joints.clone().map(|i| source.mass(model, i)).collect();
         let centers = joints.clone().map(|i| source.center(model, i)).collect();
@@ -106,9 +113,12 @@ impl<'m> ModelParameters<'m> {
         let (forces, torques) = (loads("frc"), loads("trq"));
         let q: Vec<Scalar> = joints
             .clone()
-            .map(|i| equations.input("q", &[i + 1]))
+            .map(|i| match options.quaternion && i < 6 {
+                true => Scalar::ZERO,
+                false => equations.input("q", &[i + 1]),
+            })
             .collect();
-        let qd = joints
+        let qd: Vec<Scalar> = joints
             .clone()
             .map(|i| {
                 if model.joints[i].has_velocity {
@@ -118,6 +128,11 @@ impl<'m> ModelParameters<'m> {
                 }
             })
             .collect();
+        let mut resting = Vec::new();
+        if options.quaternion {
+            gravity = free_base::gravity(equations, &gravity);
+            resting = free_base::resting(equations, &qd);
+        }
         let small = |frame: usize| {
             let joint = frames.joint(frame);
             joint.is_some_and(|joint| options.small_angles.contains(&joint))
@@ -138,6 +153,7 @@ impl<'m> ModelParameters<'m> {
             inertias,
             q,
             qd,
+            resting,
             forces,
             torques,
             turns,
@@ -220,11 +236,12 @@ impl<'m> ModelParameters<'m> {
 
     /// The acceleration of a joint: an input, or zero for one at rest.
     pub(super) fn acceleration(&self, equations: &mut Equations, joint: usize) -> Scalar {
-        if self.model.joints[joint].has_acceleration {
-            equations.input("qdd", &[joint + 1])
-        } else {
-            Scalar::ZERO
+        if !self.model.joints[joint].has_acceleration {
+            return Scalar::ZERO;
         }
+        let own = equations.input("qdd", &[joint + 1]);
+        let sum = Sum::total(&[own, given(&self.resting, joint)]);
+        equations.define(QuantityLabel::new("QA", 0, joint + 1), sum)
     }
 
     /// The inertia of the rotor that a joint turns.
@@ -359,6 +376,13 @@ fn turn(
     let kind = model.joints[joint].kind;
     if !kind.is_revolute() {
         return AxisRotation::NONE;
+    }
+    if position.is_zero() {
+        return AxisRotation {
+            axis: kind.axis().index(),
+            cos: Scalar::ONE,
+            sin: Scalar::ZERO,
+        };
     }
     if small {
         return AxisRotation {

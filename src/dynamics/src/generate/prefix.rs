@@ -42,7 +42,13 @@ pub(super) fn dynamics(
     origin: MomentOrigin,
 ) -> MassAndBias {
     let offsets = parameters.named_offsets(equations);
-    let mut form = Prefix::new(equations, parameters, (network, origin), &offsets, &[]);
+    let mut form = Prefix::new(
+        equations,
+        parameters,
+        (network, origin),
+        &offsets,
+        &parameters.resting,
+    );
     let (twists, loads) = form.loads();
     let bias = form.forces(&twists, &loads);
     let mass = (0..loads.len())

@@ -71,7 +71,7 @@ pub(super) fn bias(
     options: &Options,
 ) -> Vec<Scalar> {
     let mut recursion = Recursion::new(equations, parameters, options, &DIRECT);
-    recursion.forward(&[]);
+    recursion.forward(&parameters.resting);
     recursion.backward()
 }
 

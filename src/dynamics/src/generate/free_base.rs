@@ -1,0 +1,112 @@
+//! A free base described by a quaternion instead of yaw, pitch and roll.
+//!
+//! Forces do not depend on the frame in which a motion is described. So the base
+//! is described in the frame in which it is at the moment, where all of its six
+//! joints are at zero: gravity is turned into that frame, and the rates of the
+//! joints are the velocity `v` and the angular velocity `w` of the base along
+//! its own axes, as in Pinocchio. These change by `vd` and `wd`; the joints then
+//! accelerate by
+//!
+//! ```text
+//! translations  vd + w x v
+//! yaw           wd_z + w_x w_y
+//! pitch         wd_y - w_x w_z
+//! roll          wd_x + w_y w_z
+//! ```
+//!
+//! There is no pitch at which the equations are singular, and six angles have
+//! neither sines nor cosines.
+
+use super::algebra::{Scalar, Sum};
+use super::equations::{Equations, QuantityLabel};
+use super::vector::{Vector, cyclic};
+use super::{GenerateError, GenerationRequest};
+use robovec_model::{Axis, JointKind, Model};
+use robovec_robotran::FunctionKind;
+
+/// The joints of a free base, in their order.
+const KINDS: [JointKind; 6] = [
+    JointKind::Prismatic(Axis::X),
+    JointKind::Prismatic(Axis::Y),
+    JointKind::Prismatic(Axis::Z),
+    JointKind::Revolute(Axis::Z),
+    JointKind::Revolute(Axis::Y),
+    JointKind::Revolute(Axis::X),
+];
+
+/// Refuses models without a free base, functions that depend on its place, and
+/// derivatives.
+pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), GenerateError> {
+    let refused = |why: &str| {
+        Err(GenerateError::Quaternion {
+            model: model.name.clone(),
+            why: why.to_owned(),
+        })
+    };
+    let function = request.function;
+    let supported = matches!(
+        function,
+        FunctionKind::Dirdyna | FunctionKind::Invdyna | FunctionKind::Accelred | FunctionKind::Minv
+    );
+    if !supported {
+        return refused(&format!(
+            "{} is not among its functions, which are dirdyna, invdyna, accelred and minv",
+            function.name()
+        ));
+    }
+    let is_free = model.bodies.first().is_some_and(|body| {
+        let joints = &model.joints[body.joints.clone()];
+        body.point.is_none()
+            && joints.iter().map(|joint| joint.kind).eq(KINDS)
+            && joints.iter().all(|joint| joint.mounting.is_plain())
+    });
+    if !is_free {
+        return refused("its first body has other joints than x, y, z, yaw, pitch and roll");
+    }
+    if model.bodies[1..].iter().any(|body| body.parent.is_none()) {
+        return refused("other bodies are attached to the ground as well");
+    }
+    if (model.cuts.iter().flat_map(|cut| &cut.ends)).any(|end| end.body.is_none()) {
+        return refused("a loop is closed on the ground");
+    }
+    Ok(())
+}
+
+/// Gravity along the axes of the base; `quat` is `x y z w`, of length one.
+pub(super) fn gravity(equations: &mut Equations, along: &Vector) -> Vector {
+    let [x, y, z, w] = [1, 2, 3, 4].map(|number| equations.input("quat", &[number]));
+    let vector = [x, y, z];
+    let two = equations.number(2.0);
+    [0, 1, 2].map(|a| {
+        let (b, c) = cyclic(a);
+        let mut sum = Sum::of(along[a]);
+        for square in [vector[b], vector[c]] {
+            sum.subtract(&[two, square, square, along[a]]);
+        }
+        // The rows of the rotation matrix are the axes of the ground.
+        for (other, last, sign) in [(b, c, Scalar::ONE), (c, b, -Scalar::ONE)] {
+            sum.add(&[two, vector[a], vector[other], along[other]]);
+            sum.add(&[two, sign, w, vector[last], along[other]]);
+        }
+        equations.define(QuantityLabel::new("GB", a + 1, 1), sum)
+    })
+}
+
+/// The accelerations of the joints of the base while `vd` and `wd` are zero, of
+/// their rates.
+pub(super) fn resting(equations: &mut Equations, qd: &[Scalar]) -> Vec<Scalar> {
+    let (v, w) = ([qd[0], qd[1], qd[2]], [qd[5], qd[4], qd[3]]);
+    let mut define =
+        |joint: usize, sum: Sum| equations.define(QuantityLabel::new("QB", 0, joint + 1), sum);
+    let mut all = Vec::with_capacity(6);
+    for a in 0..3 {
+        let (b, c) = cyclic(a);
+        let mut sum = Sum::product(&[w[b], v[c]]);
+        sum.subtract(&[w[c], v[b]]);
+        all.push(define(a, sum));
+    }
+    for (joint, factors) in [(3, [w[0], w[1]]), (4, [-w[0], w[2]]), (5, [w[1], w[2]])] {
+        all.push(define(joint, Sum::product(&factors)));
+    }
+    all
+}

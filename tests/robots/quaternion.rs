@@ -1,0 +1,203 @@
+//! A free base described by a quaternion, against yaw, pitch and roll.
+
+use crate::support::files::tree;
+use crate::support::programs::{robovec, stderr};
+use robovec::generate::{Formulation, GenerationRequest, generate};
+use robovec::model::Model;
+use robovec::model::robot::{RobotBase, read_robot};
+use robovec::robotran::FunctionKind;
+use robovec_ir::evaluate::evaluate;
+use robovec_num::arithmetic::Binary64;
+use robovec_num::random::Random;
+use std::collections::BTreeMap;
+use std::fs;
+
+type Arrays = BTreeMap<&'static str, Vec<f64>>;
+
+/// The outputs of a function of a model: its only array, or `M` and then `c`.
+fn run(model: &Model, request: &GenerationRequest, given: &Arrays) -> Vec<f64> {
+    let module = generate(model, request).expect("it is generated");
+    let function = &module.functions[0];
+    let mut inputs = vec![0.0; function.input_len()];
+    for array in function.inputs() {
+        let name = module.tables.symbols.text(array.name);
+        let values = given.get(name).map_or(&[][..], Vec::as_slice);
+        let start = array.offset as usize;
+        inputs[start..start + values.len()].copy_from_slice(values);
+    }
+    let mut outputs = vec![0.0; function.output_len()];
+    let found = evaluate(function, &Binary64, &inputs);
+    for (set, value) in function.assignments.iter().zip(found) {
+        outputs[set.output.index()] = value;
+    }
+    outputs
+}
+
+/// From rates of x, y, z, yaw, pitch and roll to the velocity along the axes of
+/// the base, and the rate of this matrix.
+fn transform(q: &[f64], qd: &[f64]) -> [[[f64; 6]; 6]; 2] {
+    let [(sy, cy), (sp, cp), (sr, cr)] = [3, 4, 5].map(|joint| q[joint].sin_cos());
+    let mut all = [[[0.0; 6]; 6]; 2];
+    let [matrix, rate] = &mut all;
+    // Rows are the axes of the base.
+    let axes = [
+        [cy * cp, sy * cp, -sp],
+        [cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr],
+        [cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr],
+    ];
+    let turning = [[-sp, 0.0, 1.0], [cp * sr, cr, 0.0], [cp * cr, -sr, 0.0]];
+    let [pd, rd] = [qd[4], qd[5]];
+    let changing = [
+        [-cp * pd, 0.0, 0.0],
+        [-sp * sr * pd + cp * cr * rd, -sr * rd, 0.0],
+        [-sp * cr * pd - cp * sr * rd, -cr * rd, 0.0],
+    ];
+    let w: Vec<f64> = (0..3)
+        .map(|k| (0..3).map(|j| turning[k][j] * qd[3 + j]).sum())
+        .collect();
+    for k in 0..3 {
+        let (b, c) = ((k + 1) % 3, (k + 2) % 3);
+        for j in 0..3 {
+            matrix[k][j] = axes[k][j];
+            rate[k][j] = w[c] * axes[b][j] - w[b] * axes[c][j];
+            matrix[3 + k][3 + j] = turning[k][j];
+            rate[3 + k][3 + j] = changing[k][j];
+        }
+    }
+    all
+}
+
+/// The base of a vector of joints after a matrix; other joints stay.
+fn moved(matrix: &[[f64; 6]; 6], vector: &[f64], is_transposed: bool) -> Vec<f64> {
+    let mut all = vector.to_vec();
+    for (k, value) in all[..6].iter_mut().enumerate() {
+        let entry = |j: usize| {
+            if is_transposed {
+                matrix[j][k]
+            } else {
+                matrix[k][j]
+            }
+        };
+        *value = (0..6).map(|j| entry(j) * vector[j]).sum();
+    }
+    all
+}
+
+fn quaternion(q: &[f64]) -> Vec<f64> {
+    let [(sy, cy), (sp, cp), (sr, cr)] = [3, 4, 5].map(|joint| (q[joint] / 2.0).sin_cos());
+    vec![
+        cy * cp * sr - sy * sp * cr,
+        cy * sp * cr + sy * cp * sr,
+        sy * cp * cr - cy * sp * sr,
+        cy * cp * cr + sy * sp * sr,
+    ]
+}
+
+fn close(what: &str, found: &[f64], wanted: &[f64]) {
+    assert_eq!(found.len(), wanted.len(), "{what}");
+    let size = wanted.iter().fold(1.0f64, |most, x| most.max(x.abs()));
+    for (place, (found, wanted)) in found.iter().zip(wanted).enumerate() {
+        let error = (found - wanted).abs() / size;
+        assert!(
+            error <= 1e-10,
+            "{what} at {place}: {found} instead of {wanted}"
+        );
+    }
+}
+
+fn compare(model: &Model, formulation: Formulation, seed: u64) {
+    let mut random = Random::new(seed);
+    let joints = model.joints.len();
+    let mut list = || (0..joints).map(|_| random.signed()).collect::<Vec<f64>>();
+    let mut angles = Arrays::new();
+    for name in ["q", "qd", "qdd", "Qq"] {
+        angles.insert(name, list());
+    }
+    let gravity = vec![0.3, -1.0, -9.0];
+    for (name, values) in [("frc", list()), ("trq", list()), ("g", gravity)] {
+        angles.insert(name, values);
+    }
+    let [matrix, rate] = transform(&angles["q"], &angles["qd"]);
+    let mut own = angles.clone();
+    own.insert("quat", quaternion(&angles["q"]));
+    own.insert("qd", moved(&matrix, &angles["qd"], false));
+    let rates = angles["qd"].clone();
+    let accelerated = |accelerations: &[f64]| {
+        let mut all = moved(&matrix, accelerations, false);
+        let more = moved(&rate, &rates, false);
+        all[..6]
+            .iter_mut()
+            .zip(more)
+            .for_each(|(all, more)| *all += more);
+        all
+    };
+    own.insert("qdd", accelerated(&angles["qdd"]));
+    own.insert("Qq", list());
+    angles.insert("Qq", moved(&matrix, &own["Qq"], true));
+    let request = |function, quaternion| {
+        let mut request = GenerationRequest::new(function);
+        request.formulation = formulation;
+        request.options.quaternion = quaternion;
+        request.options.parameters = robovec::generate::ParameterBinding::Numbers;
+        request.options.external_forces = false;
+        request
+    };
+    let name = formulation.name();
+    if formulation.gives(FunctionKind::Invdyna) {
+        let forces = run(model, &request(FunctionKind::Invdyna, true), &own);
+        let wanted = run(model, &request(FunctionKind::Invdyna, false), &angles);
+        close(name, &moved(&matrix, &forces, true), &wanted);
+        // The same by M and c.
+        let all = run(model, &request(FunctionKind::Dirdyna, true), &own);
+        let (mass, bias) = all.split_at(joints * joints);
+        let rows = mass.chunks(joints).zip(bias).map(|(row, bias)| {
+            let products = row.iter().zip(&own["qdd"]);
+            bias + products.map(|(mass, qdd)| mass * qdd).sum::<f64>()
+        });
+        close(name, &rows.collect::<Vec<_>>(), &forces);
+    }
+    if formulation.closes_loops() || model.cuts.is_empty() {
+        let found = run(model, &request(FunctionKind::Accelred, true), &own);
+        let wanted = run(model, &request(FunctionKind::Accelred, false), &angles);
+        close(name, &found, &accelerated(&wanted));
+    }
+}
+
+#[test]
+fn a_quaternion_gives_the_motion_of_yaw_pitch_and_roll() {
+    for (file, base) in [
+        ("quadruped.urdf", RobotBase::Floating),
+        ("biped.xml", RobotBase::Fixed),
+    ] {
+        let bytes = fs::read(tree(&format!("examples/robots/{file}"))).expect("it ships");
+        let model = read_robot(file, &bytes, base).expect("it is read").model;
+        for (seed, formulation) in Formulation::ALL.into_iter().enumerate() {
+            compare(&model, formulation, seed as u64 + 1);
+        }
+    }
+}
+
+#[test]
+fn what_has_no_free_base_or_depends_on_its_place_is_refused() {
+    for (arguments, reason) in [
+        (
+            "gen examples/robots/arm.urdf --quaternion",
+            "its first body has other joints",
+        ),
+        (
+            "gen examples/robots/quadruped.urdf --base floating --quaternion --function frame",
+            "frame is not among its functions",
+        ),
+        (
+            "gen examples/robots/biped.xml --quaternion --function invdyna --jacobians",
+            "invdyna_d is not among its functions",
+        ),
+    ] {
+        let output = robovec(&arguments.split(' ').collect::<Vec<_>>());
+        assert!(
+            !output.status.success() && output.stdout.is_empty(),
+            "{arguments}"
+        );
+        assert!(stderr(&output).contains(reason), "{}", stderr(&output));
+    }
+}
