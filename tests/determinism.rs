@@ -96,6 +96,7 @@ fn pipelines_give_the_same_bytes() {
         "$ahead",
         "$cpu,codegen{target=c}",
         "$cpu,codegen{target=batch}",
+        "$cpu,codegen{target=mlir}",
         "atomise,zero-removal,balance,eqsat,cse,dce,factor,recurrence",
     ] {
         let pipeline = format!("-passes={pipeline}");

@@ -64,6 +64,7 @@ mod simulate;
 mod stress;
 mod study;
 mod suspension;
+mod targets;
 mod text;
 mod told;
 mod trigonometry;

@@ -40,7 +40,7 @@ use Sample::{
 
 /// The places of command lines that name a file (`@`): the extension it has
 /// there, and the kinds that are taken.
-const PLACES: [(&str, &str, &[Sample]); 60] = [
+const PLACES: [(&str, &str, &[Sample]); 61] = [
     (
         "robovec-opt @ --passes=atomise",
         "rvir",
@@ -62,6 +62,11 @@ const PLACES: [(&str, &str, &[Sample]); 60] = [
         "robovec-opt good.rvir --passes=atomise --rules=@",
         "rules",
         &[Rules],
+    ),
+    (
+        "robovec-opt good.rvir --passes=codegen{target=template} --target=@",
+        "",
+        &[],
     ),
     ("bench @ --peers=none", "c", &[Equations, Model]),
     ("bench good.c --peers=none --model=@", "mbs", &[Model]),

@@ -186,6 +186,7 @@ fn witness(module: &mut Module, scene: &Scene) -> Function {
         registry: &REGISTRY,
         rules: &rules,
         scene: Some(scene),
+        target: None,
         witness: &mut report.witness,
         promise: &mut report.promise,
         artifacts: &mut report.artifacts,

@@ -109,6 +109,7 @@ pub(crate) fn reduced(module: &Module, pipeline: &Pipeline, rules: RuleSet, seed
         machine: &Machine::built_in("ideal").expect("it ships"),
         rules: &rules,
         scene: None,
+        target: None,
         points: 2,
         seed,
     };

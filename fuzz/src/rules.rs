@@ -238,6 +238,7 @@ fn small(module: &Module, pipeline: &Pipeline, rules: &RuleSet, seed: u64) -> Re
         machine: &Machine::built_in("ideal").expect("it ships"),
         rules,
         scene: None,
+        target: None,
         points: 2,
         seed,
     };

@@ -10,9 +10,11 @@ use robovec_cgen::c::{
 };
 use robovec_cgen::fpcore::fpcore;
 use robovec_cgen::rolled::{self, RolledCircular, rolled_files};
+use robovec_cgen::template::{CodeTarget, TargetError};
 use robovec_fpga::rtl::{self, CrossbarChoice, RtlError, write_rtl};
 use robovec_fpga::{Artifacts, FileContent, ImageError, foreign_format, write_images};
-use robovec_framework::pass::{Artifact, Context, Gives, Pass, PassError};
+use robovec_framework::options::OptionValue;
+use robovec_framework::pass::{Artifact, Context, Gives, Pass, PassError, TargetFolder};
 use robovec_framework::{declare_pass, option_words};
 use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Function, View};
@@ -36,6 +38,18 @@ option_words! {
         Fpcore = "fpcore",
         /// C for CasADi, with derivatives and sparsities.
         Casadi = "casadi",
+        /// Rust without the standard library.
+        Rust = "rust",
+        /// Python with NumPy, for any number of states per call.
+        Numpy = "numpy",
+        /// Python with JAX, for `jit`, `vmap` and `grad`.
+        Jax = "jax",
+        /// MLIR in the dialects func, arith, math and memref.
+        Mlir = "mlir",
+        /// LLVM IR.
+        Llvm = "llvm",
+        /// The folder of `--target`.
+        Template = "template",
     }
 }
 
@@ -110,6 +124,11 @@ declare_pass! {
     /// and their sparsities, which `casadi.external` loads (`docs/casadi.md`).
     /// Outputs that are named as Jacobians of others (`Qq_q` beside `Qq`) are
     /// used as such; other derivatives are made by `differentiate`.
+    ///
+    /// `target=rust`, `numpy`, `jax`, `mlir` and `llvm` write one file by a
+    /// template, in binary64 and in the order of the function, from any level
+    /// (`docs/targets.md`); `target=template` does so by the template in the
+    /// folder that `--target` names.
     ///
     /// With `base=0` plain C has arrays that count from 0, without gaps, in the
     /// order of `layout`: `row`, `column`, or `packed`, which keeps the upper
@@ -186,7 +205,13 @@ impl Pass for Codegen {
             | CodegenTarget::Rolled
             | CodegenTarget::Batch
             | CodegenTarget::Fpcore
-            | CodegenTarget::Casadi => {
+            | CodegenTarget::Casadi
+            | CodegenTarget::Rust
+            | CodegenTarget::Numpy
+            | CodegenTarget::Jax
+            | CodegenTarget::Mlir
+            | CodegenTarget::Llvm
+            | CodegenTarget::Template => {
                 let own = match self.number {
                     Real::Double => Format::BINARY64,
                     Real::Float => Format::BINARY32,
@@ -194,7 +219,11 @@ impl Pass for Codegen {
                 if let Some((value, format)) = foreign_format(view, own) {
                     let code = match self.target {
                         CodegenTarget::Fpcore => "FPCore",
-                        _ => "C code",
+                        CodegenTarget::C
+                        | CodegenTarget::Rolled
+                        | CodegenTarget::Batch
+                        | CodegenTarget::Casadi => "C code",
+                        _ => "generated code",
                     };
                     let message = format!(
                         "'%{value}' is computed as {format}, and the {code} computes in {}",
@@ -230,6 +259,12 @@ impl Pass for Codegen {
                         let file = casadi::file(function, self.derivatives, &options, context)?;
                         vec![(file.name, file.text)]
                     }
+                    CodegenTarget::Rust
+                    | CodegenTarget::Numpy
+                    | CodegenTarget::Jax
+                    | CodegenTarget::Mlir
+                    | CodegenTarget::Llvm
+                    | CodegenTarget::Template => vec![self.templated(view, context.target)?],
                     _ => {
                         let kept;
                         let view = match self.sparse {
@@ -314,6 +349,32 @@ impl Codegen {
             return Err(PassError::new(message).help("add base=0"));
         }
         Ok(options)
+    }
+
+    /// The file that a template makes: its name and text.
+    fn templated(
+        &self,
+        view: View<'_>,
+        folder: Option<&TargetFolder>,
+    ) -> Result<(String, String), PassError> {
+        if self.number == Real::Float {
+            return Err(PassError::new("templates compute in 'double'")
+                .help("leave out number=float, or choose target=c"));
+        }
+        let explain = |error: TargetError| PassError::new(error.to_string()).help(error.advice());
+        let target = match (self.target, folder) {
+            (CodegenTarget::Template, Some(folder)) => {
+                CodeTarget::parse(folder).map_err(explain)?
+            }
+            (CodegenTarget::Template, None) => {
+                return Err(
+                    PassError::new("target=template needs the folder of a target")
+                        .help("name it with '--target FOLDER'"),
+                );
+            }
+            (shipped, _) => CodeTarget::built_in(&shipped.print()),
+        };
+        target.file(view).map_err(explain)
     }
 
     /// The options of C for CasADi, which computes in binary64.

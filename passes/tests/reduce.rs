@@ -143,6 +143,7 @@ fn reduced(steps: &[PipelineStep]) -> Option<Reduction> {
         machine: &machine,
         rules: &RuleSet::default(),
         scene: None,
+        target: None,
         points: 2,
         seed: 3,
     };

@@ -66,6 +66,11 @@ pub(crate) struct OptimiserArguments {
     #[arg(long, requires = "rules")]
     pub(crate) no_default_rules: bool,
 
+    /// Folder of a custom target for codegen{target=template}: target.toml and
+    /// template.jinja
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) target: Option<PathBuf>,
+
     /// Write a report: FILE.json, any other FILE as text, or - for the standard error
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,

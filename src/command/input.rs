@@ -5,14 +5,16 @@
 
 use super::arguments::InputLanguage;
 use super::{CommandFailure, emit};
+use robovec_cgen::template::{self, CodeTarget, TargetError};
 use robovec_dynamics::generate::{GenerationRequest, generate_asked};
 use robovec_dynamics::motion::Laws;
 use robovec_explore::scene::{SceneFile, SceneSubject};
+use robovec_framework::pass::TargetFolder;
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::files::limited::{self, FileLimit};
 use robovec_io::sources::{self, EquationLanguage, ReadEquations};
-use robovec_ir::diagnostic::{Report, clip, did_you_mean};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, clip, did_you_mean};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, Operation};
 use robovec_model::mbs::ReadModel;
@@ -237,6 +239,38 @@ pub(crate) fn passes(text: &str) -> Result<Pipeline, CommandFailure> {
 /// The machine of a name, or of a file.
 pub(crate) fn machine(name: &str) -> Result<Machine, CommandFailure> {
     sources::machine(name).map_err(CommandFailure)
+}
+
+/// Reads the folder of a target.
+pub(crate) fn target(folder: &Path) -> Result<TargetFolder, CommandFailure> {
+    let read = |name: &str, limit: &FileLimit| {
+        text(&folder.join(name), limit).map_err(|mut failure| {
+            let advice =
+                "a target is a folder with target.toml and template.jinja (docs/targets.md)";
+            failure.0.push(Diagnostic::note().with_message(advice));
+            failure
+        })
+    };
+    let target = TargetFolder {
+        name: folder.display().to_string(),
+        description: read(template::DESCRIPTION, &limited::TARGET)?,
+        template: read(template::TEMPLATE, &limited::TEMPLATE)?,
+    };
+    let Err(error) = CodeTarget::parse(&target) else {
+        return Ok(target);
+    };
+    let notes = vec![error.advice()];
+    Err(match error {
+        TargetError::Description { span, message, .. } => {
+            let name = folder.join(template::DESCRIPTION).display().to_string();
+            let diagnostic = Diagnostic::error()
+                .with_message(message)
+                .with_labels(vec![Label::primary(0, span)])
+                .with_notes(notes);
+            CommandFailure(Report::of(&name, target.description, vec![diagnostic]))
+        }
+        other => CommandFailure::advised(other.to_string(), notes),
+    })
 }
 
 /// The machine where no other is named.

@@ -4,8 +4,8 @@ use super::CommandFailure;
 use std::path::Path;
 
 /// Ends of names of files that robovec's own text is not.
-const OTHER_LANGUAGES: [&str; 11] = [
-    "c", "h", "m", "py", "v", "sv", "mif", "hex", "json", "toml", "mbs",
+const OTHER_LANGUAGES: [&str; 14] = [
+    "c", "h", "m", "py", "rs", "mlir", "ll", "v", "sv", "mif", "hex", "json", "toml", "mbs",
 ];
 
 /// Refuses to put a result into a file whose name promises another language:
@@ -18,6 +18,9 @@ pub(super) fn refuse_wrong(path: &Path, is_text: bool) -> Result<(), CommandFail
             "c" | "h" => "for C, end the pipeline with codegen{target=c} and name a folder",
             "mif" | "hex" => "for images, end the pipeline with place,codegen{target=mif}",
             "v" | "sv" => "for hardware, end the pipeline with place,codegen{target=rtl}",
+            "rs" => "for Rust, end the pipeline with codegen{target=rust}",
+            "mlir" => "for MLIR, end the pipeline with codegen{target=mlir}",
+            "ll" => "for LLVM IR, end the pipeline with codegen{target=llvm}",
             "m" | "py" => "'robovec gen' writes Matlab and Python",
             _ => "reports go into other files: --report FILE",
         };

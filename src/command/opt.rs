@@ -15,6 +15,7 @@ use robovec_fpga::rtl::DESCRIPTION;
 use robovec_framework::manager::{
     self, Config, PassFilter, PrintChanged, RunError, RunOutcome, usage,
 };
+use robovec_framework::pass::TargetFolder;
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_framework::trail::Trail;
@@ -98,6 +99,7 @@ struct GivenInputs {
     pipeline: Pipeline,
     rules: RuleSet,
     scene: Option<Scene>,
+    target: Option<TargetFolder>,
     machine: Machine,
     input: ReadEquations,
     /// The reading of equations, scene and machine.
@@ -115,6 +117,13 @@ fn read_inputs(arguments: &OptimiserArguments) -> Result<GivenInputs, CommandFai
     let asked = arguments.machine.as_deref();
     let asked = asked.map(input::machine).transpose()?;
     let rules = rules::sound(&arguments.rules, !arguments.no_default_rules)?;
+    if arguments.target.is_some() && !reproducer::uses_target(&pipeline) {
+        return Err(CommandFailure::advised(
+            "no pass uses the target of '--target'".to_owned(),
+            vec!["end the pipeline with codegen{target=template}".to_owned()],
+        ));
+    }
+    let target = arguments.target.as_deref().map(input::target).transpose()?;
     let Some(path) = &arguments.input else {
         return Err(CommandFailure::plain("no input file"));
     };
@@ -132,6 +141,7 @@ fn read_inputs(arguments: &OptimiserArguments) -> Result<GivenInputs, CommandFai
         pipeline,
         rules,
         scene,
+        target,
         machine,
         input,
         stage: stage_since("(read)", start),
@@ -157,6 +167,7 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
         pipeline,
         rules,
         scene,
+        target,
         machine,
         mut input,
         stage,
@@ -175,7 +186,7 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
         Vec::new()
     };
     let mut trail = arguments.explain.is_some().then(Trail::new);
-    let target = (&machine, &rules, scene);
+    let target = (&machine, &rules, scene, target.as_ref());
     let drawn = (input::states(scene, arguments.seed), scene.is_some());
     let summary = RunSummary::begin(arguments, &pipeline, &input.module, &machine, drawn);
     let kept = reduction::keep(arguments, &input.module);
@@ -371,7 +382,7 @@ fn tells_of_passes(arguments: &OptimiserArguments) -> bool {
 fn transform(
     arguments: &OptimiserArguments,
     pipeline: &Pipeline,
-    (machine, rules, scene): (&Machine, &RuleSet, Option<&Scene>),
+    (machine, rules, scene, target): (&Machine, &RuleSet, Option<&Scene>, Option<&TargetFolder>),
     input: &mut ReadEquations,
     trail: Option<&mut Trail>,
 ) -> Result<RunOutcome, CommandFailure> {
@@ -407,6 +418,7 @@ fn transform(
             rounding: arguments.report.is_some().then_some(0),
             states: input::states(scene, arguments.seed),
             scene,
+            target,
             print_before: filter(arguments.print_before.as_deref()),
             print_after: filter(print_after),
             print_changed: arguments.print_changed.as_deref().map(|how| match how {

@@ -2,6 +2,7 @@
 
 use super::arguments::OptimiserArguments;
 use super::{CommandFailure, output, reproducer};
+use robovec_framework::pass::TargetFolder;
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::reduce::{self, Broken, Reduction, TrialSetting};
 use robovec_framework::scene::Scene;
@@ -24,7 +25,7 @@ pub(super) fn follow_up(
     mut failure: CommandFailure,
     kept: Option<&Module>,
     pipeline: &Pipeline,
-    (machine, rules, scene): (&Machine, &RuleSet, Option<&Scene>),
+    (machine, rules, scene, target): (&Machine, &RuleSet, Option<&Scene>, Option<&TargetFolder>),
     arguments: &OptimiserArguments,
 ) -> CommandFailure {
     let Some(module) = kept else {
@@ -34,6 +35,7 @@ pub(super) fn follow_up(
         machine,
         rules,
         scene,
+        target,
         points: reproducer::points(arguments),
         seed: arguments.seed,
     };

@@ -21,6 +21,11 @@ pub(super) fn points(arguments: &OptimiserArguments) -> u32 {
     arguments.check_each.unwrap_or(4)
 }
 
+/// True if a pass of the pipeline writes by the template of `--target`.
+pub(super) fn uses_target(pipeline: &Pipeline) -> bool {
+    pipeline.to_string().contains("target=template")
+}
+
 /// The text of a reproducer; `about` becomes comments.
 pub(super) fn text(
     program: &Module,
@@ -45,6 +50,11 @@ pub(super) fn text(
         words.insert(1, format!("--machine={machine}"));
     }
     words.extend(arguments.rules.iter().map(|name| format!("--rules={name}")));
+    if let Some(target) = &arguments.target
+        && uses_target(pipeline)
+    {
+        words.push(format!("--target={}", target.display()));
+    }
     if let Some(scene) = &arguments.scene {
         words.push(format!("--scene={}", scene.display()));
     }

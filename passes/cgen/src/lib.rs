@@ -13,5 +13,6 @@ pub mod fpcore;
 pub mod kind;
 pub mod rolled;
 mod sincos;
+pub mod template;
 #[cfg(test)]
 mod testing;

@@ -22,7 +22,7 @@ pub(crate) enum Tightness {
 impl Tightness {
     /// The tightness that the right operand of an operator needs, since
     /// operators of one tightness associate to the left.
-    fn next(self) -> Tightness {
+    pub(crate) fn next(self) -> Tightness {
         match self {
             Tightness::Open => Tightness::Sum,
             Tightness::Sum => Tightness::Product,

@@ -44,6 +44,13 @@ impl CNames {
         CNames::without(words, "v_", true)
     }
 
+    /// The names of another language with some reserved words, which is not
+    /// given words of C either.
+    pub(crate) fn reserving(words: &[String]) -> CNames {
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        CNames::without(&words, "v", false)
+    }
+
     fn without(words: &[&str], first: &'static str, keeps_prefix: bool) -> CNames {
         let taken = RESERVED.iter().chain(words);
         CNames {

@@ -25,7 +25,9 @@ pub use walk::apply;
 use crate::check::{self, CheckVerdict, Promise};
 use crate::differentiation::Differentiation;
 use crate::instances::Instances;
-use crate::pass::{Artifact, Context, NestedReport, Pass, PassError, PassInfo, Registry};
+use crate::pass::{
+    Artifact, Context, NestedReport, Pass, PassError, PassInfo, Registry, TargetFolder,
+};
 use crate::pipeline::{PassStep, Pipeline};
 use crate::rewrite_limit::RewriteLimit;
 use crate::scene::Scene;
@@ -68,6 +70,8 @@ pub struct Config<'a> {
     /// The scene that the functions are needed for. States should be its own
     /// ([`Scene::states`]).
     pub scene: Option<&'a Scene>,
+    /// Target of code generation that the user described.
+    pub target: Option<&'a TargetFolder>,
     /// Print the function before these passes.
     pub print_before: PassFilter,
     /// Print the function after these passes.
@@ -108,6 +112,7 @@ impl<'a> Config<'a> {
             rounding: None,
             states: States::new(1),
             scene: None,
+            target: None,
             print_before: PassFilter::None,
             print_after: PassFilter::None,
             print_changed: None,
@@ -429,6 +434,7 @@ impl PipelineRun<'_> {
             registry: self.registry,
             rules: &self.rules,
             scene: self.instruments.config.scene,
+            target: self.instruments.config.target,
             witness: &mut report.witness,
             promise: &mut report.promise,
             artifacts: &mut report.artifacts,

@@ -71,6 +71,8 @@ pub struct Context<'a> {
     /// Scene that describes the use of the function (ranges, tolerances,
     /// deadline), when the user gave one.
     pub scene: Option<&'a Scene>,
+    /// Target of code generation that the user described.
+    pub target: Option<&'a TargetFolder>,
     /// Left by a pass that rounds constants: the same function with the
     /// constants still computed from exact ones. The semantic check proves that
     /// one equal to the function before, and compares its constants with the
@@ -130,7 +132,7 @@ pub struct NestedReport {
 
 impl Context<'_> {
     /// The context for a pass that this pass runs itself, for a machine: the
-    /// same tables, registry, rules, scene and limit of rewrites, with the
+    /// same tables, registry, rules, scene, target and limit of rewrites, with the
     /// reports of the nested pass going to `report`. Its notes are kept when
     /// those of this context are.
     pub fn nested<'b>(
@@ -148,6 +150,7 @@ impl Context<'_> {
             registry: self.registry,
             rules: self.rules,
             scene: self.scene,
+            target: self.target,
             witness: &mut report.witness,
             promise: &mut report.promise,
             rewrites: self.rewrites,
@@ -166,6 +169,17 @@ pub struct Artifact {
     pub name: String,
     /// Content.
     pub text: String,
+}
+
+/// A target of code generation that a user described, as read.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct TargetFolder {
+    /// Name of the folder, for messages.
+    pub name: String,
+    /// Text of the description.
+    pub description: String,
+    /// Text of the template.
+    pub template: String,
 }
 
 /// Reason why a pass gave up on a function.

@@ -1,7 +1,7 @@
 //! Runs steps on a function and describes the failure.
 
 use crate::manager::{self, Config, Executed, Limit, RunError};
-use crate::pass::Registry;
+use crate::pass::{Registry, TargetFolder};
 use crate::pipeline::{PassStep, Pipeline, PipelineStep};
 use crate::scene::Scene;
 use robovec_ir::states::States;
@@ -18,6 +18,8 @@ pub struct TrialSetting<'a> {
     pub rules: &'a RuleSet,
     /// The scene that the functions are needed for.
     pub scene: Option<&'a Scene>,
+    /// Target of code generation that the user described.
+    pub target: Option<&'a TargetFolder>,
     /// Random points each pass is checked at.
     pub points: u32,
     /// Seed of the points.
@@ -100,6 +102,7 @@ pub(super) fn run(
                 None => States::new(setting.seed),
             },
             scene: setting.scene,
+            target: setting.target,
             rules: Some(setting.rules),
             limit,
             executed: Some(&mut executed),

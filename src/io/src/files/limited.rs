@@ -107,9 +107,24 @@ pub const IMAGE: FileLimit = limit(
     "a run loads 2^24 words",
 );
 
+/// Descriptions of targets.
+pub const TARGET: FileLimit = limit(
+    FileKind::Target,
+    "description of a target",
+    1 << 20,
+    "the longest that ships takes 2 kB",
+);
+/// Templates of targets.
+pub const TEMPLATE: FileLimit = limit(
+    FileKind::Template,
+    "template",
+    1 << 20,
+    "the longest that ships takes 2 kB",
+);
+
 /// All kinds.
-pub const ALL: [FileLimit; 10] = [
-    EQUATIONS, MODEL, PIPELINE, MACHINE, SCENE, LAWS, PLAN, RULES, STATES, IMAGE,
+pub const ALL: [FileLimit; 12] = [
+    EQUATIONS, MODEL, PIPELINE, MACHINE, SCENE, LAWS, PLAN, RULES, STATES, IMAGE, TARGET, TEMPLATE,
 ];
 
 /// Reads a file whole; `-` is the standard input.
@@ -155,8 +170,9 @@ pub fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Report> {
 
 /// An error for a file of another kind than the one that is read.
 fn refuse_others(path: &Path, bytes: &[u8], wanted: FileKind) -> Result<(), Report> {
-    // Images are read with whatever lies beside them.
-    if wanted == FileKind::Image {
+    // Images are read with whatever lies beside them; a template is text of any
+    // language.
+    if matches!(wanted, FileKind::Image | FileKind::Template) {
         return Ok(());
     }
     let name = path.display();

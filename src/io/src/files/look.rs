@@ -31,6 +31,10 @@ pub enum FileKind {
     Image,
     /// A description of hardware.
     Hardware,
+    /// The description of a target of code generation.
+    Target,
+    /// The template of a target: text of any language.
+    Template,
 }
 
 impl FileKind {
@@ -49,13 +53,19 @@ impl FileKind {
             FileKind::States => "a file of states",
             FileKind::Image => "a memory image",
             FileKind::Hardware => "a description of hardware (machine.json)",
+            FileKind::Target => "the description of a target (target.toml)",
+            FileKind::Template => "a template (template.jinja)",
         }
     }
 
     pub(super) fn is_toml(self) -> bool {
         matches!(
             self,
-            FileKind::Machine | FileKind::Scene | FileKind::Laws | FileKind::Plan
+            FileKind::Machine
+                | FileKind::Scene
+                | FileKind::Laws
+                | FileKind::Plan
+                | FileKind::Target
         )
     }
 
@@ -77,6 +87,7 @@ impl FileKind {
             FileKind::States => "'robovec eval EQUATIONS --states FILE' takes it",
             FileKind::Image => "'robovec rtl simulate' takes its folder",
             FileKind::Hardware => "'robovec rtl PROGRAM --fits FILE' takes it",
+            FileKind::Target | FileKind::Template => "'robovec-opt --target' takes its folder",
         }
     }
 }
@@ -103,7 +114,8 @@ const BINARY: [(&[u8], &str); 11] = [
 ];
 
 /// Tables and keys that only files of one kind have in TOML.
-const TABLES: [(FileKind, &[&str]); 4] = [
+const TABLES: [(FileKind, &[&str]); 5] = [
+    (FileKind::Target, &["[operations]"]),
     (FileKind::Machine, &["[[element]]", "clock_mhz ="]),
     (FileKind::Plan, &["[[sweep]]", "[[pipeline]]"]),
     (
