@@ -259,7 +259,7 @@ pub(crate) fn target(folder: &Path) -> Result<TargetFolder, CommandFailure> {
     let Err(error) = CodeTarget::parse(&target) else {
         return Ok(target);
     };
-    let notes = vec![error.advice()];
+    let notes = vec![error.advice().to_owned()];
     Err(match error {
         TargetError::Description { span, message, .. } => {
             let name = folder.join(template::DESCRIPTION).display().to_string();

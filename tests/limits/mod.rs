@@ -182,6 +182,10 @@ fn files_beyond_their_limits_are_refused_unread() {
             "file of rules" => "robovec rules check large.rules",
             "file of states" => "robovec eval f.rvir --states large",
             "memory image" => "robovec rtl simulate images --inputs=1,1",
+            "description of a target" => {
+                "robovec-opt f.rvir -passes=codegen{target=template} --target described"
+            }
+            "template" => "robovec-opt f.rvir -passes=codegen{target=template} --target written",
             other => panic!("nothing reads a {other}"),
         };
         let mut words = line.split(' ').map(str::to_owned);
@@ -193,7 +197,10 @@ fn files_beyond_their_limits_are_refused_unread() {
             arguments: words.collect(),
         }
     };
-    std::fs::create_dir(folder.path().join("images")).expect("a writable folder");
+    for name in ["images", "described", "written"] {
+        std::fs::create_dir(folder.path().join(name)).expect("a writable folder");
+    }
+    std::fs::write(path.with_file_name("written/target.toml"), "[operations]").expect("writable");
     for row in section.rows {
         let robovec_num::limits::Amount::Whole(most) = row.limit.most() else {
             panic!("bytes are counted");
@@ -205,6 +212,8 @@ fn files_beyond_their_limits_are_refused_unread() {
             "large.toml",
             "large.rules",
             "images/a.mif",
+            "described/target.toml",
+            "written/template.jinja",
         ] {
             let file = std::fs::File::create(path.with_file_name(name)).expect("writable");
             file.set_len(most + 1).expect("a file can have holes");

@@ -39,4 +39,4 @@ for one, fast, all_states in zip(results, compiled, mapped):
     near(fast, one)
     assert all_states.shape == (3,) + one.shape
     near(all_states, one)
-check_grads(jax.jit(function), arrays, order=1, modes=["fwd", "rev"], rtol=1e-5, atol=1e-5)
+check_grads(function, arrays, order=1, modes=["fwd", "rev"], rtol=1e-5, atol=1e-5)

@@ -9,13 +9,13 @@ use std::ops::Range;
 use toml::Spanned;
 
 /// The text of a key, with its place.
-type Text = Spanned<String>;
+type PlacedText = Spanned<String>;
 
 /// `target.toml` as written.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WrittenTarget {
-    file: Text,
+    file: PlacedText,
     #[serde(default)]
     nested: bool,
     #[serde(default)]
@@ -29,14 +29,14 @@ struct WrittenTarget {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WrittenTexts {
-    scalar: Text,
-    vector: Text,
-    matrix: Text,
-    number: Text,
+    scalar: PlacedText,
+    vector: PlacedText,
+    matrix: PlacedText,
+    number: PlacedText,
     infinity: Option<String>,
     nan: Option<String>,
-    constant: Option<Text>,
-    value: Option<Text>,
+    constant: Option<PlacedText>,
+    value: Option<PlacedText>,
 }
 
 macro_rules! operations {
@@ -44,10 +44,10 @@ macro_rules! operations {
         /// The text of every operation; a target need not have all.
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
-        struct WrittenOperations { $($name: Option<Text>),+ }
+        struct WrittenOperations { $($name: Option<PlacedText>),+ }
 
         impl WrittenOperations {
-            fn all(&self) -> [(Operation, &Option<Text>); Operation::ALL.len()] {
+            fn all(&self) -> [(Operation, &Option<PlacedText>); Operation::ALL.len()] {
                 [$((Operation::$operation, &self.$name)),+]
             }
         }
@@ -60,9 +60,9 @@ operations!(
 );
 
 /// Fields of the texts of elements, numbers, constants and values.
-pub(super) const ELEMENT: [&str; 5] = ["array", "index", "row", "column", "name"];
-pub(super) const NUMBER: [&str; 4] = ["decimal", "mantissa", "exponent", "bits"];
-pub(super) const CONSTANT: [&str; 2] = ["number", "name"];
+const ELEMENT: [&str; 5] = ["array", "index", "row", "column", "name"];
+const NUMBER: [&str; 4] = ["decimal", "mantissa", "exponent", "bits"];
+const CONSTANT: [&str; 2] = ["number", "name"];
 const NAME: [&str; 1] = ["name"];
 
 /// The texts of a target.
@@ -102,10 +102,10 @@ impl TargetTexts {
         };
         let written: WrittenTarget = toml::from_str(&folder.description)
             .map_err(|error| fault(error.span().unwrap_or(0..0), error.message().to_owned()))?;
-        let pattern = |text: &Text, known: &[&str]| {
+        let pattern = |text: &PlacedText, known: &[&str]| {
             TextPattern::parse(text.as_ref(), known).map_err(|reason| fault(text.span(), reason))
         };
-        let or = |text: Option<Text>, default: &str, known: &[&str]| match text {
+        let or = |text: Option<PlacedText>, default: &str, known: &[&str]| match text {
             Some(text) => pattern(&text, known),
             None => Ok(TextPattern::parse(default, known).expect("a valid default")),
         };

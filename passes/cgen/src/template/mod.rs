@@ -19,10 +19,9 @@ use description::TargetTexts;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, Error, UndefinedBehavior};
 use robovec_framework::pass::TargetFolder;
-use robovec_ir::{Operation, View};
+use robovec_ir::View;
 use std::ops::Range;
 use tree::TargetTree;
-use view::TreeObject;
 
 /// Name of the description in the folder of a target.
 pub const DESCRIPTION: &str = "target.toml";
@@ -55,23 +54,13 @@ pub enum TargetError {
         /// The fault.
         message: String,
     },
-    /// The function has an operation without a text.
-    #[error("{folder}/{DESCRIPTION} has no text for '{}', which '{function}' needs", operation.name())]
-    Operation {
+    /// The function has an operation or a number without a text.
+    #[error("{folder}/{DESCRIPTION} has no text for {what}, which '{function}' needs")]
+    Missing {
         /// The folder.
         folder: String,
-        /// The operation.
-        operation: Operation,
-        /// The function.
-        function: String,
-    },
-    /// The function has a number without a text.
-    #[error("{folder}/{DESCRIPTION} has no text for the number {number}, which '{function}' needs")]
-    Number {
-        /// The folder.
-        folder: String,
-        /// The number: infinite, or not a number.
-        number: String,
+        /// The operation or number.
+        what: String,
         /// The function.
         function: String,
     },
@@ -79,16 +68,13 @@ pub enum TargetError {
 
 impl TargetError {
     /// Advice to the user.
-    pub fn advice(&self) -> String {
+    pub fn advice(&self) -> &'static str {
         match self {
-            TargetError::Operation { operation, .. } if operation.is_fused() => {
-                "leave out the pass 'fma', or add the operation to [operations]".to_owned()
+            TargetError::Missing { .. } => {
+                "add it to the description; without the pass 'fma' no operation is fused"
             }
-            TargetError::Operation { .. } => "add it to [operations]".to_owned(),
-            TargetError::Number { .. } => "add 'infinity' and 'nan' to [text]".to_owned(),
             TargetError::Description { .. } | TargetError::Template { .. } => {
                 "docs/targets.md describes the keys of a target and the names in its template"
-                    .to_owned()
             }
         }
     }
@@ -153,25 +139,17 @@ impl CodeTarget {
     /// the template fails.
     pub fn file(&self, view: View<'_>) -> Result<(String, String), TargetError> {
         let tree = TargetTree::new(view, &self.texts);
-        let function = || view.function.name.clone();
-        if let Some(operation) = tree.foreign_operation() {
-            return Err(TargetError::Operation {
+        if let Some(what) = tree.missing() {
+            return Err(TargetError::Missing {
                 folder: self.folder.name.clone(),
-                operation,
-                function: function(),
-            });
-        }
-        if let Some(number) = tree.foreign_number() {
-            return Err(TargetError::Number {
-                folder: self.folder.name.clone(),
-                number: number.to_string(),
-                function: function(),
+                what,
+                function: view.function.name.clone(),
             });
         }
         let name = self.texts.file.fill(|_| tree.title.clone());
         let environment = self.environment()?;
         let template = environment.get_template(TEMPLATE);
-        let text = template.and_then(|template| template.render(TreeObject::root(tree)));
+        let text = template.and_then(|template| template.render(view::root(tree)));
         Ok((name, text.map_err(|error| self.fault(&error))?))
     }
 
@@ -207,4 +185,86 @@ impl CodeTarget {
 /// The line of a place in a text, from 1.
 fn line_of(text: &str, place: usize) -> usize {
     1 + text[..place.min(text.len())].matches('\n').count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robovec_ir::Function;
+    use robovec_ir::parse::parse_module;
+
+    const TEXTS: &str = r#"
+        file = "{name}.f"
+        nested = true
+        from_one = true
+        reserved = "y"
+        [text]
+        scalar = "{array}"
+        vector = "{array}({index})"
+        matrix = "{array}({row}, {column})"
+        number = "{mantissa}d{exponent}"
+        [operations]
+        neg = "-{a}"
+        add = "{a} + {b}"
+        sub = "{a} - {b}"
+        mul = "mul({a}, {b})"
+    "#;
+
+    const TEMPLATE: &str = "{{ name }} {{ inputs[1].name }} {{ statements | length }}\n\
+        {% for s in statements %}\n{{ s.name }} = {{ s.text }}: {{ s.operation }}\
+        {% for o in s.operands %} {{ o.kind }} {{ o.text }}{% endfor %}\n\n{% endfor %}\n\
+        {% for a in outputs %}\n{% for e in a.elements %}\n{{ e.text }} = {{ e.value }} {{ e.is_set }}\n\
+        {% endfor %}\n{% endfor %}\n";
+
+    fn written(function: &str) -> Result<(String, String), TargetError> {
+        written_after(function, |_| {})
+    }
+
+    fn written_after(
+        function: &str,
+        change: impl Fn(&mut Function),
+    ) -> Result<(String, String), TargetError> {
+        let folder = TargetFolder {
+            name: "mine".to_owned(),
+            description: TEXTS.to_owned(),
+            template: TEMPLATE.to_owned(),
+        };
+        let text = format!("// robovec 1\nfunction f equations {{\n{function}}}\n");
+        let mut module = parse_module("f", &text).expect("it is the text form");
+        change(&mut module.functions[0]);
+        CodeTarget::parse(&folder)?.file(View {
+            tables: &module.tables,
+            function: &module.functions[0],
+        })
+    }
+
+    #[test]
+    fn a_target_without_copies_reads_the_original() {
+        let function = "in x\nin y[1..2]\nout M[1..2,1..2]\n\
+            %a = x - (y[2] - -2e-30)\n%b = %a\n%c = -(%b + x*(%a + y[1]))\nM[1,2] = %c\n";
+        let (name, text) = written(function).expect("it is written");
+        assert_eq!(name, "f.f");
+        let expected = "f y_1 2\n\
+            a = x - (y_1(2) - -2.0d-30): sub input x value y_1(2) - -2.0d-30\n\
+            c = -(a + mul(x, a + y_1(1))): neg value a + mul(x, a + y_1(1))\n\
+            M(1, 1) = 0.0d0 False\nM(1, 2) = c True\n\
+            M(2, 1) = 0.0d0 False\nM(2, 2) = 0.0d0 False\n";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn what_has_no_text_is_named() {
+        let error = written("in x\nout c\n%unused = cos(x)\nc = sin(x)\n");
+        assert_eq!(
+            error.expect_err("it is refused").to_string(),
+            "mine/target.toml has no text for 'sin', which 'f' needs"
+        );
+        let error = written_after("in x\nout c\nc = x\n", |function| {
+            function.assignments[0].operand = function.constant(f64::INFINITY).into();
+        });
+        assert_eq!(
+            error.expect_err("it is refused").to_string(),
+            "mine/target.toml has no text for the number inf, which 'f' needs"
+        );
+    }
 }

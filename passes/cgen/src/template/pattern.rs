@@ -92,11 +92,11 @@ impl OperationText {
         let pattern = TextPattern::parse(text, &OperationText::FIELDS)?;
         let arity = operation.arity();
         for (number, field) in OperationText::FIELDS.iter().take(3).enumerate() {
-            if pattern.has(number) != (number < arity) {
-                let name = operation.name();
-                return Err(format!(
-                    "'{name}' has {arity} operands: '{{{field}}}' is not one of them or is missing"
-                ));
+            let name = operation.name();
+            match (pattern.has(number), number < arity) {
+                (false, true) => return Err(format!("'{name}' needs the operand '{{{field}}}'")),
+                (true, false) => return Err(format!("'{name}' has no operand '{{{field}}}'")),
+                (true, true) | (false, false) => {}
             }
         }
         let own = match operation {

@@ -1,7 +1,7 @@
 //! The function as a target needs it: names, statements, expressions.
 
 use super::description::TargetTexts;
-use crate::c::layout::extents;
+use crate::c::layout::indices;
 use crate::emit::expression::{BoundText, Tightness};
 use crate::emit::inlining::Inlining;
 use crate::emit::names::CNames;
@@ -19,8 +19,8 @@ pub(super) struct TargetTree {
     /// Name of the function in the target.
     pub(super) title: String,
     /// Names of the arrays.
-    pub(super) inputs: Vec<String>,
-    pub(super) outputs: Vec<String>,
+    inputs: Vec<String>,
+    outputs: Vec<String>,
     /// Names of elements of inputs and of constants; empty if the texts of the
     /// target do not use them.
     elements: Vec<String>,
@@ -94,15 +94,13 @@ impl TargetTree {
             .inlined;
         }
         let live = live(function);
-        let live_inlined = self.inlined.iter().zip(&live).map(|(a, b)| *a && *b);
-        self.inlined = live_inlined.collect();
-        let values = function.values().map(|(value, _)| value);
-        self.statements = values
-            .filter(|value| {
-                let index = value.index();
-                live[index] && !self.inlined[index] && self.copied[index].is_none()
-            })
-            .collect();
+        for (value, _) in function.values() {
+            let is_written = live[value.index()] && self.copied[value.index()].is_none();
+            self.inlined[value.index()] &= is_written;
+            if is_written && !self.inlined[value.index()] {
+                self.statements.push(value);
+            }
+        }
     }
 
     /// Finds the elements and constants that statements and outputs read.
@@ -173,23 +171,16 @@ impl TargetTree {
         used.into_iter().map(Operation::name).collect()
     }
 
-    /// The first operation of the text that the target has no text for.
-    pub(super) fn foreign_operation(&self) -> Option<Operation> {
-        self.used()
-            .find(|&operation| self.texts.operation(operation).is_none())
-    }
-
-    /// The first number of the function that the target has no text for.
-    pub(super) fn foreign_number(&self) -> Option<f64> {
-        let mut numbers = self
-            .read_constants
-            .iter()
-            .map(|&constant| self.number_of(constant));
-        numbers.find(|&number| self.texts.number(number).is_none())
-    }
-
-    pub(super) fn number_of(&self, constant: Constant) -> f64 {
-        self.function.constant_number(constant)
+    /// The first operation or number of the text that the target has no text for.
+    pub(super) fn missing(&self) -> Option<String> {
+        let mut operations = self.used();
+        if let Some(operation) = operations.find(|&used| self.texts.operation(used).is_none()) {
+            return Some(format!("'{}'", operation.name()));
+        }
+        let numbers = self.read_constants.iter();
+        let mut numbers = numbers.map(|&constant| self.function.constant_number(constant));
+        let missing = numbers.find(|&number| self.texts.number(number).is_none())?;
+        Some(format!("the number {missing}"))
     }
 
     /// The operand, or what it is a copy of.
@@ -215,35 +206,44 @@ impl TargetTree {
         self.elements.get(input.index()).map_or("", String::as_str)
     }
 
+    /// The arrays of one side, and their names.
+    pub(super) fn arrays(&self, is_output: bool) -> (&[Array], &[String]) {
+        if is_output {
+            (self.function.outputs(), &self.outputs)
+        } else {
+            (self.function.inputs(), &self.inputs)
+        }
+    }
+
     /// Place of an element in its array: index, row and column.
-    pub(super) fn place(&self, array: &Array, offset: u32) -> [u32; 3] {
-        let base = self.texts.base;
-        let [_, columns] = extents(array.shape);
-        let columns = match array.shape {
-            Shape::Matrix(..) => columns,
-            Shape::Scalar | Shape::Vector(_) => 1,
-        };
-        [offset, offset / columns.max(1), offset % columns.max(1)].map(|index| index + base)
+    pub(super) fn place(&self, is_output: bool, array: usize, offset: u32) -> [u32; 3] {
+        let [row, column] = indices(self.arrays(is_output).0[array].shape, offset);
+        [offset, row, column].map(|index| index + self.texts.base)
     }
 
     /// An element of an array, as an expression.
-    pub(super) fn element(&self, array: &Array, name: &str, offset: u32, own: &str) -> String {
-        let text = match array.shape {
+    pub(super) fn element(&self, is_output: bool, array: usize, offset: u32) -> String {
+        let (arrays, names) = self.arrays(is_output);
+        let text = match arrays[array].shape {
             Shape::Scalar => &self.texts.elements[0],
             Shape::Vector(_) => &self.texts.elements[1],
             Shape::Matrix(..) => &self.texts.elements[2],
         };
-        let place = self.place(array, offset);
+        let place = self.place(is_output, array, offset);
         text.fill(|field| match field {
-            0 => name.to_owned(),
-            4 => own.to_owned(),
+            0 => names[array].clone(),
+            4 if is_output => String::new(),
+            4 => {
+                let input = Input(arrays[array].offset + offset);
+                self.element_name(input).to_owned()
+            }
             direction => place[direction - 1].to_string(),
         })
     }
 
     /// The number of a constant, as the target writes it.
     pub(super) fn number(&self, constant: Constant) -> String {
-        let text = self.texts.number(self.number_of(constant));
+        let text = self.texts.number(self.function.constant_number(constant));
         text.expect("numbers without a text are refused")
     }
 
@@ -261,9 +261,8 @@ impl TargetTree {
             }
             OperandKind::Input(input) => {
                 let array = self.function.input_array(input);
-                let [name, own] = [&self.inputs[array], self.element_name(input)];
-                let array = &self.function.inputs()[array];
-                BoundText::primary(self.element(array, name, input.0 - array.offset, own))
+                let offset = input.0 - self.function.inputs()[array].offset;
+                BoundText::primary(self.element(false, array, offset))
             }
             OperandKind::Constant(constant) => {
                 let text = self.texts.constant.fill(|field| match field {
