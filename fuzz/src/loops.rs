@@ -34,6 +34,11 @@ pub fn whole_steps_move_models(data: &[u8]) {
 fn moves(bytes: &mut Unstructured<'_>) -> Result<()> {
     let mut model = random_tree(bytes.arbitrary()?, bytes.int_in_range(1..=6)?);
     decorate(&mut model, bytes)?;
+    for body in &mut model.bodies {
+        if bytes.ratio(1, 6)? {
+            (body.mass, body.center, body.inertia) = (0.0, [0.0; 3], [0.0; 6]);
+        }
+    }
     for joint in &mut model.joints {
         if joint.nature == Nature::Independent && bytes.arbitrary()? {
             joint.nature = Nature::Dependent;
