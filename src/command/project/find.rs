@@ -9,8 +9,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders that hold results, drawings or what was built.
-const PASSED_OVER: [&str; 6] = [
+/// Folders that hold results, drawings, what was built, or MBsysC, which
+/// has empty equations.
+const PASSED_OVER: [&str; 7] = [
+    "mbs_common",
     "animationR",
     "resultsR",
     "build",
@@ -42,6 +44,8 @@ pub(super) struct FoundProject {
     /// Folders with equations of other models, and others with those of this one.
     pub(super) others: Vec<String>,
     pub(super) calls: ProjectCalls,
+    /// All its files, without results, drawings and what was built.
+    pub(super) files: Vec<PathBuf>,
 }
 
 impl FoundProject {
@@ -67,7 +71,7 @@ type EquationFolder = (String, PathBuf, &'static str);
 /// Finds the parts of a project.
 pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject, CommandFailure> {
     let mut files = Vec::new();
-    walk(root, 0, &mut files)
+    walk(root, 0, &PASSED_OVER, &mut files)
         .map_err(|error| CommandFailure::plain(format!("{}: {error}", root.display())))?;
     let mut groups: BTreeMap<EquationFolder, Vec<(FunctionKind, PathBuf)>> = BTreeMap::new();
     for file in &files {
@@ -84,9 +88,9 @@ pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject,
     let largest = groups
         .iter()
         .filter(|((stem, _, _), _)| fits(stem))
-        // Of equally many the first: a later one is not larger.
+        // Of equally many those with a model of their name, else the first.
         .rev()
-        .max_by_key(|(_, files)| files.len());
+        .max_by_key(|((stem, ..), group)| (group.len(), has_model(&files, stem)));
     let Some(((name, symbolic, end), equations)) = largest else {
         return Err(CommandFailure::advised(
             format!(
@@ -110,8 +114,10 @@ pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject,
         .keys()
         .filter(|(stem, folder, _)| (stem, folder) != (name, symbolic));
     let mut others: Vec<String> = others
-        .map(|(_, folder, _)| folder.strip_prefix(root).unwrap_or(folder))
-        .map(|folder| folder.display().to_string())
+        .map(|(stem, folder, _)| {
+            let folder = folder.strip_prefix(root).unwrap_or(folder);
+            format!("{stem} in {}", folder.display())
+        })
         .collect();
     others.dedup();
     let (model, candidates) = match model {
@@ -133,11 +139,17 @@ pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject,
         model,
         candidates,
         others,
+        files,
     })
 }
 
-/// All files below a folder, sorted.
-fn walk(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
+/// All files below a folder, sorted, without those in folders of some names.
+pub(super) fn walk(
+    folder: &Path,
+    depth: usize,
+    passed_over: &[&str],
+    files: &mut Vec<PathBuf>,
+) -> std::io::Result<()> {
     let mut entries: Vec<PathBuf> = fs::read_dir(folder)?
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<Result<_, _>>()?;
@@ -152,8 +164,8 @@ fn walk(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> std::io::Resul
         }
         // A link may lead back to where it is.
         let kind = fs::symlink_metadata(&path)?.file_type();
-        if kind.is_dir() && depth < DEPTH && !PASSED_OVER.contains(&name.as_str()) {
-            walk(&path, depth + 1, files)?;
+        if kind.is_dir() && depth < DEPTH && !passed_over.contains(&name.as_str()) {
+            walk(&path, depth + 1, passed_over, files)?;
         } else if kind.is_file() {
             files.push(path);
         }
@@ -183,21 +195,36 @@ fn stems(path: &Path) -> Result<Vec<String>, CommandFailure> {
     Ok(vec![file_stem(&model.name), file_stem(&file), model.name])
 }
 
+/// True where a model among the files has the name of equations.
+fn has_model(files: &[PathBuf], name: &str) -> bool {
+    files
+        .iter()
+        .any(|path| is_model(path) && has_name(path, name))
+}
+
+fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end == "mbs")
+}
+
+fn has_name(path: &Path, name: &str) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    stem == name || file_stem(&stem) == name
+}
+
 /// The model of a name among the files, of several that nearest to the
 /// equations; else the only model. Without it those that may be meant.
 fn model_of(files: &[PathBuf], name: &str, near: &Path) -> (Option<PathBuf>, Vec<PathBuf>) {
-    let is_model = |path: &&PathBuf| path.extension().is_some_and(|end| end == "mbs");
-    let models: Vec<&PathBuf> = files.iter().filter(is_model).collect();
-    let has_name = |path: &&&PathBuf| {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        stem == name || file_stem(&stem) == name
-    };
+    let models: Vec<&PathBuf> = files.iter().filter(|path| is_model(path)).collect();
     let shared = |path: &&&PathBuf| {
         let parts = path.components().zip(near.components());
         parts.take_while(|(one, other)| one == other).count()
     };
     // Of equally near ones the first.
-    let named = models.iter().filter(has_name).rev().max_by_key(shared);
+    let named = models
+        .iter()
+        .filter(|path| has_name(path, name))
+        .rev()
+        .max_by_key(shared);
     let only = (models.len() == 1).then(|| models.first()).flatten();
     match named.or(only) {
         Some(path) => (Some((*path).clone()), Vec::new()),

@@ -4,13 +4,17 @@
 //! they are plain ([`calls`]), and every file of equations is made anew, from
 //! the file or from the model, whichever takes fewer operations ([`replace`]).
 //! Nothing is written without a request; what `--apply` replaces is kept and
-//! comes back with `--undo` ([`keep`]). With commands that build and run the
-//! project, a copy of it is tried with both ([`trial`]).
+//! comes back with `--undo` ([`keep`]). A copy of the project is built and run
+//! with both ([`trial`]), by the build of the project ([`build`]).
 
+mod build;
 mod calls;
+mod copy;
 mod find;
 mod keep;
+mod missing;
 mod replace;
+mod results;
 mod trial;
 
 use super::flags::{real, whole};
@@ -18,6 +22,7 @@ use super::{CommandFailure, input, output, telling};
 use clap::Args;
 use find::FoundProject;
 use replace::NewEquations;
+use robovec_io::sources;
 use robovec_ir::diagnostic::counted;
 use robovec_model::{Model, Nature};
 use robovec_present::text::{labelled, text_lines};
@@ -40,7 +45,7 @@ pub(super) struct ProjectArguments {
     #[arg(long, conflicts_with_all = ["undo", "output"])]
     apply: bool,
     /// Bring back what --apply replaced
-    #[arg(long, conflicts_with_all = ["output", "model", "run"])]
+    #[arg(long, conflicts_with_all = ["output", "model", "run", "trial"])]
     undo: bool,
     /// Folder to write the new files to, instead of the project
     #[arg(short, long, value_name = "FOLDER")]
@@ -81,6 +86,13 @@ pub(super) fn run(arguments: &ProjectArguments) -> Result<String, CommandFailure
             vec![text],
         ));
     }
+    let is_tried = arguments.trial.is_asked();
+    let trial = if is_tried {
+        // A trial that fails leaves the project as it is.
+        trial::run(&arguments.trial, &project, &new, step.as_ref())?
+    } else {
+        String::new()
+    };
     text += &match (&arguments.output, arguments.apply) {
         (Some(folder), _) => {
             output::write_files(folder, &files)?;
@@ -90,15 +102,13 @@ pub(super) fn run(arguments: &ProjectArguments) -> Result<String, CommandFailure
             keep::apply(&project, &files)?;
             "replaced    bring the originals back with --undo\n".to_owned()
         }
-        (None, false) if arguments.trial.is_asked() => String::new(),
+        (None, false) if is_tried => String::new(),
         (None, false) => {
             "nothing is written: --apply replaces the files, -o FOLDER writes them elsewhere\n"
                 .to_owned()
         }
     };
-    if arguments.trial.is_asked() {
-        text += &trial::run(&arguments.trial, &project, &new, step.as_ref())?;
-    }
+    text += &trial;
     Ok(text)
 }
 
@@ -116,7 +126,16 @@ fn model(
     let Some(path) = &project.model else {
         return Ok(None);
     };
-    let mut model = input::model(path)?.model;
+    let read = sources::model(path)?;
+    if !read.warnings.diagnostics().is_empty() {
+        let _ = writeln!(
+            telling::remarks(),
+            "remark: {} for the model; 'robovec model {}' prints them",
+            counted(read.warnings.diagnostics().len(), "warning"),
+            path.display()
+        );
+    }
+    let mut model = read.model;
     for (nature, joint) in &project.calls.roles {
         match calls::joint(&model, joint, &project.calls) {
             Some(place) => model.joints[place].nature = *nature,
@@ -186,8 +205,8 @@ fn headline(project: &FoundProject, model: Option<&ProjectModel>, new: &[NewEqua
     }
     if let Some(first) = project.others.first() {
         let text = format!(
-            "{} with equations, such as {first}: name the folder, or --model",
-            counted(project.others.len(), "other place")
+            "{}, such as {first}: name the folder, or --model",
+            counted(project.others.len(), "other set of equations")
         );
         lines.push(("others", text));
     }
@@ -209,5 +228,14 @@ fn table(new: &[NewEquations], step: Option<&NewEquations>) -> String {
             ]
         })
         .collect();
-    text_lines("function | >operations | >robovec's | ", &rows) + "\n"
+    let text = text_lines("function | >operations | >robovec's | ", &rows) + "\n";
+    let reasons = new.iter().chain(step).filter_map(|one| {
+        let reason = one.reason.as_deref()?;
+        Some((one.function.as_str(), reason.to_owned()))
+    });
+    let reasons: Vec<(&str, String)> = reasons.collect();
+    if reasons.is_empty() {
+        return text;
+    }
+    text + &labelled(&reasons) + "\n"
 }

@@ -12,7 +12,7 @@ use robovec_io::sources;
 use robovec_ir::Module;
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::Report;
-use robovec_model::Model;
+use robovec_model::{Model, Nature};
 use robovec_robotran::drop_in::{DropInOptions, drop_in};
 use robovec_robotran::write::{WriteOptions, write};
 use robovec_robotran::{FunctionKind, Language};
@@ -26,8 +26,10 @@ pub(super) struct NewEquations {
     pub(super) before: Option<usize>,
     /// Operations of the new equations.
     pub(super) after: Option<usize>,
-    /// Source of the new equations, or the reason why there are none.
+    /// Source of the new equations.
     pub(super) remark: String,
+    /// The reason why there are none.
+    pub(super) reason: Option<String>,
     /// True where the file's equations are not those of the model.
     pub(super) is_stale: bool,
     /// The generator whose names the file has.
@@ -44,12 +46,14 @@ pub(super) fn equations(project: &FoundProject, model: Option<&Model>) -> Vec<Ne
             before: None,
             after: None,
             remark: String::new(),
+            reason: None,
             is_stale: false,
             generation: Generation::Current,
             files: Vec::new(),
         };
         if let Err(reason) = renewed(project, model, (*kind, path), &mut new) {
-            new.remark = format!("stays: {reason}");
+            "stays".clone_into(&mut new.remark);
+            new.reason = Some(reason);
         }
         new
     };
@@ -70,7 +74,8 @@ fn renewed(
     let before = operations(&read.module);
     new.before = Some(before);
     if before == 0 {
-        return Err("it computes nothing".to_owned());
+        new.remark = "stays: it computes nothing".to_owned();
+        return Ok(());
     }
     let mut module = read.module.clone();
     optimise(&mut module)?;
@@ -156,6 +161,7 @@ pub(super) fn whole_step(
         before: None,
         after: None,
         remark: remark.to_owned(),
+        reason: None,
         is_stale,
         generation: if is_old {
             Generation::Old
@@ -164,12 +170,16 @@ pub(super) fn whole_step(
         },
         files: Vec::new(),
     };
+    let drives = model.joints.iter().any(|one| one.nature == Nature::Driven);
     let options = Options {
         user_constraints,
+        // Forces of driven joints cost little without loops.
+        multipliers: drives && model.cuts.is_empty() && user_constraints == 0,
         ..Options::default()
     };
     if let Err(reason) = stepped(model, &options, &mut new) {
-        new.remark = format!("no whole step: {reason}");
+        "no whole step".clone_into(&mut new.remark);
+        new.reason = Some(reason);
     }
     new
 }
