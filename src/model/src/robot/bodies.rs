@@ -294,8 +294,13 @@ impl RobotBuilder<'_> {
         });
         let anchors = [0, 1].map(|side| {
             let (body, pose) = ends[side];
+            let mut name = format!("{}_{}", closure.name, side + 1);
+            let points = &self.model.points;
+            while (points.iter()).any(|point| point.body == body && point.name == name) {
+                name.push('_');
+            }
             self.model.points.push(ModelPoint {
-                name: format!("{}_{}", closure.name, side + 1),
+                name,
                 body,
                 coordinates: pose.origin,
             });

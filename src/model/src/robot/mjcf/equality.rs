@@ -11,7 +11,7 @@ use super::MjcfReader;
 use crate::robot::attributes::{numbers, place_of, triple};
 use crate::robot::elements::{ClosureElement, MimicElement, joint_title};
 use crate::rotation::{FramePose, Rotation3};
-use crate::xml::place;
+use crate::xml::{is_usable, place};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
@@ -22,7 +22,7 @@ pub(super) type LinkPoint = (usize, FramePose);
 impl<'a> MjcfReader<'a, '_> {
     pub(super) fn equalities(&mut self, section: Node<'a, 'a>) {
         let elements = section.children().filter(Node::is_element);
-        for (number, node) in elements.enumerate() {
+        for node in elements {
             if node
                 .attribute("active")
                 .is_some_and(|text| text.trim() == "false")
@@ -30,7 +30,7 @@ impl<'a> MjcfReader<'a, '_> {
                 continue;
             }
             match node.tag_name().name() {
-                "connect" | "weld" => self.closure(node, number + 1),
+                "connect" | "weld" => self.closure(node),
                 "joint" => {
                     let names = ["joint1", "joint2"].map(|name| self.reference(node, name));
                     let polynomial = self.polynomial(node);
@@ -138,24 +138,31 @@ impl<'a> MjcfReader<'a, '_> {
         follower.mimic = Some(mimic);
     }
 
-    fn closure(&mut self, node: Node<'a, 'a>, number: usize) {
+    fn closure(&mut self, node: Node<'a, 'a>) {
         let is_solid = node.tag_name().name() == "weld";
         let kind = if is_solid { "weld" } else { "connect" };
-        let name = node.attribute("name").map(str::trim).unwrap_or_default();
         let ends = match node.has_attribute("site1") {
             true => ["site1", "site2"].map(|name| self.site(node, name)),
             false => self.ends_on_bodies(node, is_solid),
         };
-        if let [Some(first), Some(second)] = ends {
-            self.robot.closures.push(ClosureElement {
-                name: match name {
-                    "" => format!("{kind}{number}"),
-                    name => name.to_owned(),
-                },
-                is_solid,
-                ends: [first, second],
-            });
-        }
+        let [Some(first), Some(second)] = ends else {
+            return;
+        };
+        let given = node.attribute("name").map(str::trim).unwrap_or_default();
+        let closures = &self.robot.closures;
+        let is_free = |name: &str| closures.iter().all(|closure| closure.name != name);
+        let name = match is_usable(given) && is_free(given) {
+            true => given.to_owned(),
+            false => (closures.len() + 1..)
+                .map(|number| format!("{kind}{number}"))
+                .find(|name| is_free(name))
+                .expect("there are more numbers than loops"),
+        };
+        self.robot.closures.push(ClosureElement {
+            name,
+            is_solid,
+            ends: [first, second],
+        });
     }
 
     fn site(&mut self, node: Node<'a, 'a>, attribute: &str) -> Option<LinkPoint> {
