@@ -67,7 +67,7 @@ class Reading(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             lossy = pathlib.Path(folder) / "lossy.urdf"
             lossy.write_text(text.replace(joint, joint + '<dynamics damping="1"/>', 1))
-            with self.assertWarnsRegex(UserWarning, "damping and friction of 1 joint"):
+            with self.assertWarnsRegex(UserWarning, "damping, friction and springs of 1 joint"):
                 robovec.load(lossy)
 
     def test_every_function_is_loaded_by_its_name(self):
