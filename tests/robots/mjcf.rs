@@ -259,6 +259,24 @@ fn forces_that_are_left_out_are_warnings() {
     }
 }
 
+/// Names that the reader makes take no longer with the number of elements.
+#[test]
+fn thousands_of_elements_without_names_are_read() {
+    let body = "<body><joint/><geom size='0.1'/></body>";
+    let text = format!(
+        "<mujoco><worldbody><body name='body2'><joint name='joint2'/><geom size='0.1'/></body>\
+         {}</worldbody><equality>{}</equality></mujoco>",
+        body.repeat(1500),
+        "<connect body1='body2' body2='body3'/>".repeat(20_000)
+    );
+    let model = read(&text);
+    let names: std::collections::BTreeSet<_> =
+        model.joints.iter().map(|joint| &joint.name).collect();
+    assert_eq!((names.len(), model.cuts.len()), (1501, 20_000));
+    let names: std::collections::BTreeSet<_> = model.cuts.iter().map(|cut| &cut.name).collect();
+    assert_eq!(names.len(), 20_000);
+}
+
 /// The mechanisms that ship close their loops, and their equations hold what
 /// the file gives.
 #[test]

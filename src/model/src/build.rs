@@ -208,24 +208,7 @@ impl ModelBuilder {
     /// Panics when a number that was given is not finite.
     pub fn finish(self) -> Model {
         let mut model = self.model;
-        let mut order: Vec<usize> = (0..model.points.len()).collect();
-        order.sort_by_key(|&point| model.points[point].body);
-        let mut number_of = vec![0; order.len()];
-        for (number, &point) in order.iter().enumerate() {
-            number_of[point] = number;
-        }
-        model.points = order.iter().map(|&at| model.points[at].clone()).collect();
-        let number = |point: &mut usize| *point = number_of[*point];
-        let cuts = model.cuts.iter_mut().flat_map(|cut| &mut cut.ends);
-        let links = model.links.iter_mut().chain(&mut model.links3d);
-        let ends = cuts.chain(links.flat_map(|link| &mut link.ends));
-        ends.filter_map(|end| end.point.as_mut()).for_each(number);
-        for list in [&mut model.sensors, &mut model.forces] {
-            list.iter_mut().for_each(|sensor| number(&mut sensor.point));
-            list.sort_by_key(|sensor| sensor.point);
-        }
-        let points = model.bodies.iter_mut().map(|body| &mut body.point);
-        points.flatten().for_each(number);
+        model.number_points();
         model.connect();
         assert!(model.check(), "a number of the model is not finite");
         model

@@ -19,6 +19,7 @@ pub mod mbs;
 mod mounting;
 mod physics;
 mod random;
+mod reading;
 pub mod robot;
 mod rotation;
 pub mod summary;
@@ -467,6 +468,29 @@ impl Model {
             depths.push(1 + joint.parent.map_or(0, |parent| depths[parent]));
         }
         depths
+    }
+
+    /// Numbers points in the order of their bodies, and sensors and external
+    /// forces in the order of their points.
+    pub(crate) fn number_points(&mut self) {
+        let mut order: Vec<usize> = (0..self.points.len()).collect();
+        order.sort_by_key(|&point| self.points[point].body);
+        let mut number_of = vec![0; order.len()];
+        for (number, &point) in order.iter().enumerate() {
+            number_of[point] = number;
+        }
+        self.points = order.iter().map(|&at| self.points[at].clone()).collect();
+        let number = |point: &mut usize| *point = number_of[*point];
+        let cuts = self.cuts.iter_mut().flat_map(|cut| &mut cut.ends);
+        let links = self.links.iter_mut().chain(&mut self.links3d);
+        let ends = cuts.chain(links.flat_map(|link| &mut link.ends));
+        ends.filter_map(|end| end.point.as_mut()).for_each(number);
+        for list in [&mut self.sensors, &mut self.forces] {
+            list.iter_mut().for_each(|sensor| number(&mut sensor.point));
+            list.sort_by_key(|sensor| sensor.point);
+        }
+        let points = self.bodies.iter_mut().map(|body| &mut body.point);
+        points.flatten().for_each(number);
     }
 
     /// Derives the attachments of joints from the bodies.

@@ -33,6 +33,18 @@ pub(super) fn scaled(a: Point3, factor: f64) -> Point3 {
     a.map(|x| x * factor)
 }
 
+/// The vector of length one in a direction; `None` without a length.
+pub(super) fn unit(vector: Point3) -> Option<Point3> {
+    let largest = vector.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if largest == 0.0 {
+        return None;
+    }
+    // Scaled first, so that no square is lost.
+    let vector = vector.map(|x| x / largest);
+    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    Some(vector.map(|x| x / length))
+}
+
 /// A rotation: its matrix transforms components in a frame to those in its
 /// parent frame.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -23,13 +23,11 @@ mod tree;
 mod user;
 mod write;
 
-use super::{Model, physics, xml};
-use robovec_ir::diagnostic::{Diagnostic, Report};
+use super::{Model, physics, reading, xml};
 use robovec_num::limits::NumberLimit;
-use robovec_robotran::FunctionKind;
 use robovec_robotran::conventions::JOINTS;
-use std::fmt;
 
+pub use super::reading::{ModelError, ReadModel};
 pub use write::{unsayable, write_mbs};
 
 /// The limits of a model: name, limit, and what it is when the model does not
@@ -44,71 +42,6 @@ const KIND: xml::DocumentKind = xml::DocumentKind {
     first: "a model is a `.mbs` file, whose first element is `<mbsDescR7>`",
 };
 
-/// A model that was read.
-#[derive(Debug)]
-pub struct ReadModel {
-    /// The model.
-    pub model: Model,
-    /// Warnings, with the text they are about.
-    pub warnings: Report,
-    /// Warnings about elements of the model that no generated function
-    /// contains: one for each `link3D`, with its place. They concern the
-    /// generation of equations, not the inspection of a model.
-    pub left_out: Report,
-}
-
-impl ReadModel {
-    /// All warnings that concern this function of the model: those about the
-    /// model, and those about forces that the function's result lacks.
-    pub fn warnings_for(&self, function: FunctionKind) -> Report {
-        let mut warnings = self.warnings.clone();
-        if function.depends_on_link_forces() && !self.left_out.is_empty() {
-            // Both point into the same text; without warnings it is not kept.
-            if warnings.is_empty() {
-                warnings = self.left_out.clone();
-            } else {
-                warnings.extend(self.left_out.diagnostics().iter().cloned());
-            }
-        }
-        if function.depends_on_link_forces() {
-            warnings.extend(self.losses());
-        }
-        warnings
-    }
-
-    /// A warning about joints whose own forces are in no equation.
-    fn losses(&self) -> Option<Diagnostic> {
-        let joints = self.model.joints.iter();
-        let losing: Vec<&str> = joints
-            .filter(|joint| joint.law.are_there())
-            .map(|joint| joint.name.as_str())
-            .collect();
-        let first = losing.first()?;
-        let message = format!(
-            "damping, friction and springs of {} joint(s), including '{first}', are in no equation",
-            losing.len()
-        );
-        let note = "'robovec sim' uses them as laws; in equations, add them to the forces of \
-                    joints";
-        Some(Diagnostic::warning().with_message(message).with_note(note))
-    }
-}
-
-/// A file that could not be read: the reasons, and the text they point into.
-#[derive(Debug)]
-pub struct ModelError {
-    /// One to twenty errors, perhaps with warnings.
-    pub report: Report,
-}
-
-impl fmt::Display for ModelError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&self.report.summary())
-    }
-}
-
-impl std::error::Error for ModelError {}
-
 /// Reads a `.mbs` file. The name serves messages, and names a model that has
 /// no name.
 ///
@@ -121,36 +54,9 @@ impl std::error::Error for ModelError {}
 /// joint or without the mass its inertia needs, more than
 /// [`JOINT_LIMIT`](robovec_robotran::conventions::JOINT_LIMIT) joints.
 pub fn read_mbs(name: &str, bytes: &[u8]) -> Result<ReadModel, ModelError> {
-    let text = xml::decode(bytes).map_err(|mut error| {
-        // There is no text to point into, so the message names the file.
-        error.message = format!("{name}: {}", error.message);
-        ModelError {
-            report: Report::of(name, "", vec![error]),
-        }
-    })?;
-    let mut messages = fields::Messages::default();
-    let model = xml::parse(&text, &KIND)
-        .map_err(|error| messages.push_error(error))
-        .ok()
-        .and_then(|document| read_document(name, &document, &mut messages));
-    match model {
-        Some(model) if !messages.has_errors() => {
-            let left_out = messages.take_left_out();
-            let warnings = messages.into_diagnostics();
-            let report = |diagnostics: Vec<_>| {
-                let shown = if diagnostics.is_empty() { "" } else { &text };
-                Report::of(name, shown, diagnostics)
-            };
-            Ok(ReadModel {
-                model,
-                warnings: report(warnings),
-                left_out: report(left_out),
-            })
-        }
-        _ => Err(ModelError {
-            report: Report::of(name, text.as_ref(), messages.into_diagnostics()),
-        }),
-    }
+    reading::read_model((name, bytes), &KIND, |document, messages| {
+        read_document(name, document, messages)
+    })
 }
 
 /// The model of a document; `None`, with errors among the messages, when

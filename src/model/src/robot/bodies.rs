@@ -14,6 +14,7 @@ use crate::{
 };
 use robovec_num::limits::Amount;
 use robovec_robotran::conventions::JOINTS;
+use rustc_hash::FxHashSet;
 use std::ops::Range;
 
 /// A model, and the place of each body's name.
@@ -113,8 +114,12 @@ pub(super) fn build(
         return None;
     }
     builder.couple(couplings);
+    let points = builder.model.points.iter();
+    let mut taken: FxHashSet<_> = points
+        .map(|point| (point.body, point.name.clone()))
+        .collect();
     for closure in &robot.closures {
-        builder.close(closure, &links);
+        builder.close(closure, &links, &mut taken);
     }
     let frame = |frame: &FrameElement| {
         let place = links[frame.link];
@@ -286,8 +291,13 @@ impl RobotBuilder<'_> {
         index
     }
 
-    /// Adds the cut of a loop.
-    fn close(&mut self, closure: &ClosureElement, links: &[LinkPlace]) {
+    /// Adds the cut of a loop; `taken` are the names of points by their bodies.
+    fn close(
+        &mut self,
+        closure: &ClosureElement,
+        links: &[LinkPlace],
+        taken: &mut FxHashSet<(Option<usize>, String)>,
+    ) {
         let ends = closure.ends.map(|(link, pose)| {
             let place = links[link];
             (place.body, place.pose.then(&pose))
@@ -295,8 +305,7 @@ impl RobotBuilder<'_> {
         let anchors = [0, 1].map(|side| {
             let (body, pose) = ends[side];
             let mut name = format!("{}_{}", closure.name, side + 1);
-            let points = &self.model.points;
-            while (points.iter()).any(|point| point.body == body && point.name == name) {
+            while !taken.insert((body, name.clone())) {
                 name.push('_');
             }
             self.model.points.push(ModelPoint {
@@ -376,19 +385,7 @@ impl RobotBuilder<'_> {
             }
             body.inertia = inertia.inertia;
         }
-        // Points are numbered in the order of their bodies.
-        let mut order: Vec<usize> = (0..model.points.len()).collect();
-        order.sort_by_key(|&point| model.points[point].body);
-        let mut number_of = vec![0; order.len()];
-        for (number, &point) in order.iter().enumerate() {
-            number_of[point] = number;
-        }
-        model.points = order.iter().map(|&at| model.points[at].clone()).collect();
-        let bodies = model.bodies.iter_mut().map(|body| &mut body.point);
-        let ends = model.cuts.iter_mut().flat_map(|cut| &mut cut.ends);
-        for point in bodies.chain(ends.map(|end| &mut end.point)).flatten() {
-            *point = number_of[*point];
-        }
+        model.number_points();
         model.connect();
         BuiltRobot {
             model: self.model,

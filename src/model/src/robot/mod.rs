@@ -27,11 +27,10 @@ mod mjcf;
 mod tree;
 mod urdf;
 
-use super::mbs::{ModelError, ReadModel};
+use super::reading::{self, ModelError, ReadModel};
 use super::xml::{self, Messages};
 use super::{Model, physics};
 pub use mjcf::with_includes;
-use robovec_ir::diagnostic::Report;
 
 /// Base of a robot.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -90,36 +89,9 @@ pub fn read_robot(
     reading: impl Into<RobotReading>,
 ) -> Result<ReadModel, ModelError> {
     let reading = reading.into();
-    let text = xml::decode(bytes).map_err(|mut error| {
-        // There is no text to point into, so the message names the file.
-        error.message = format!("{name}: {}", error.message);
-        ModelError {
-            report: Report::of(name, "", vec![error]),
-        }
-    })?;
-    let mut messages = Messages::default();
-    let model = xml::parse(&text, &KIND)
-        .map_err(|error| messages.push_error(error))
-        .ok()
-        .and_then(|document| read_document(name, &document, reading, &mut messages));
-    match model {
-        Some(model) if !messages.has_errors() => {
-            let left_out = messages.take_left_out();
-            let warnings = messages.into_diagnostics();
-            let report = |diagnostics: Vec<_>| {
-                let shown = if diagnostics.is_empty() { "" } else { &text };
-                Report::of(name, shown, diagnostics)
-            };
-            Ok(ReadModel {
-                model,
-                warnings: report(warnings),
-                left_out: report(left_out),
-            })
-        }
-        _ => Err(ModelError {
-            report: Report::of(name, text.as_ref(), messages.into_diagnostics()),
-        }),
-    }
+    reading::read_model((name, bytes), &KIND, |document, messages| {
+        read_document(name, document, reading, messages)
+    })
 }
 
 /// The model of a document; `None`, with errors among the messages, when there

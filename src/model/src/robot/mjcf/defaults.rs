@@ -8,6 +8,9 @@ use roxmltree::Node;
 /// A class, an index into [`Defaults`].
 pub(super) type ClassIndex = usize;
 
+/// The class of elements that name none.
+pub(super) const MAIN: ClassIndex = 0;
+
 struct DefaultClass<'a> {
     name: String,
     parent: Option<ClassIndex>,
@@ -66,20 +69,16 @@ impl<'a> Defaults<'a> {
         Defaults { classes }
     }
 
-    /// The class of elements that name none.
-    pub(super) fn main(&self) -> ClassIndex {
-        0
-    }
-
-    fn find(
+    /// The class that an attribute names, or else the one around the element.
+    pub(super) fn class(
         &self,
         node: Node<'_, '_>,
         attribute: &str,
-        otherwise: ClassIndex,
+        around: ClassIndex,
         messages: &mut Messages,
     ) -> ClassIndex {
         let Some(name) = node.attribute(attribute).map(str::trim) else {
-            return otherwise;
+            return around;
         };
         if let Some(found) = self.classes.iter().position(|class| class.name == name) {
             return found;
@@ -95,27 +94,7 @@ impl<'a> Defaults<'a> {
             "this class",
             &help,
         );
-        otherwise
-    }
-
-    /// The class of the elements inside of a body or frame.
-    pub(super) fn child_class(
-        &self,
-        node: Node<'_, '_>,
-        around: ClassIndex,
-        messages: &mut Messages,
-    ) -> ClassIndex {
-        self.find(node, "childclass", around, messages)
-    }
-
-    /// The class of an element.
-    pub(super) fn class(
-        &self,
-        node: Node<'_, '_>,
-        around: ClassIndex,
-        messages: &mut Messages,
-    ) -> ClassIndex {
-        self.find(node, "class", around, messages)
+        around
     }
 
     /// The element that holds an attribute of an element of a class: itself, or

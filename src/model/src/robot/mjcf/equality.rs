@@ -11,7 +11,7 @@ use super::MjcfReader;
 use crate::robot::attributes::{numbers, place_of, triple};
 use crate::robot::elements::{ClosureElement, MimicElement, joint_title};
 use crate::rotation::{FramePose, Rotation3};
-use crate::xml::{is_usable, place};
+use crate::xml::{Messages, is_usable, place};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
@@ -142,22 +142,29 @@ impl<'a> MjcfReader<'a, '_> {
         let is_solid = node.tag_name().name() == "weld";
         let kind = if is_solid { "weld" } else { "connect" };
         let ends = match node.has_attribute("site1") {
-            true => ["site1", "site2"].map(|name| self.site(node, name)),
+            true => ["site1", "site2"].map(|attribute| {
+                let name = node.attribute(attribute).map_or("", str::trim);
+                end(
+                    &self.sites,
+                    (node, attribute),
+                    ("site", name),
+                    self.messages,
+                )
+            }),
             false => self.ends_on_bodies(node, is_solid),
         };
         let [Some(first), Some(second)] = ends else {
             return;
         };
         let given = node.attribute("name").map(str::trim).unwrap_or_default();
-        let closures = &self.robot.closures;
-        let is_free = |name: &str| closures.iter().all(|closure| closure.name != name);
-        let name = match is_usable(given) && is_free(given) {
-            true => given.to_owned(),
-            false => (closures.len() + 1..)
-                .map(|number| format!("{kind}{number}"))
-                .find(|name| is_free(name))
-                .expect("there are more numbers than loops"),
-        };
+        let mut name = given.to_owned();
+        if !is_usable(given) || self.loops.contains(given) {
+            let numbers = self.loops.len() + 1..;
+            let mut names = numbers.map(|number| format!("{kind}{number}"));
+            let free = names.find(|name| !self.loops.contains(name));
+            name = free.expect("there are more numbers than loops");
+        }
+        self.loops.insert(name.clone());
         self.robot.closures.push(ClosureElement {
             name,
             is_solid,
@@ -165,44 +172,18 @@ impl<'a> MjcfReader<'a, '_> {
         });
     }
 
-    fn site(&mut self, node: Node<'a, 'a>, attribute: &str) -> Option<LinkPoint> {
-        let name = node.attribute(attribute).map(str::trim).unwrap_or_default();
-        let found = self.sites.get(name).copied();
-        if found.is_none() {
-            let help = advice(&self.sites, name, "site");
-            self.messages.error(
-                place_of(node, attribute),
-                &format!("there is no site '{}'", clip(name)),
-                "one end of a loop",
-                &help,
-            );
-        }
-        found
-    }
-
-    /// The body that an attribute names; the world for the second one without.
-    fn end_body(&mut self, node: Node<'a, 'a>, attribute: &str) -> Option<usize> {
-        let name = match node.attribute(attribute).map(str::trim) {
-            Some(name) => name,
-            None if attribute == "body2" => "world",
-            None => "",
-        };
-        let found = self.bodies.get(name).copied();
-        if found.is_none() {
-            let help = advice(&self.bodies, name, "body");
-            self.messages.error(
-                place_of(node, attribute),
-                &format!("there is no body '{}'", clip(name)),
-                "one end of a loop",
-                &help,
-            );
-        }
-        found
-    }
-
     fn ends_on_bodies(&mut self, node: Node<'a, 'a>, is_solid: bool) -> [Option<LinkPoint>; 2] {
-        let [Some(first), Some(second)] = ["body1", "body2"].map(|name| self.end_body(node, name))
-        else {
+        // Without a second body the loop is closed on the world.
+        let ends = [("body1", ""), ("body2", "world")].map(|(attribute, otherwise)| {
+            let name = node.attribute(attribute).map_or(otherwise, str::trim);
+            end(
+                &self.bodies,
+                (node, attribute),
+                ("body", name),
+                self.messages,
+            )
+        });
+        let [Some(first), Some(second)] = ends else {
             return [None; 2];
         };
         let owner = "the equality";
@@ -226,6 +207,26 @@ impl<'a> MjcfReader<'a, '_> {
             Some((second, anchor)),
         ]
     }
+}
+
+/// What a name at the end of a loop refers to; `None`, with an error, where there
+/// is nothing of this name.
+fn end<T: Copy>(
+    known: &FxHashMap<String, T>,
+    (node, attribute): (Node<'_, '_>, &str),
+    (noun, name): (&str, &str),
+    messages: &mut Messages,
+) -> Option<T> {
+    let found = known.get(name).copied();
+    if found.is_none() {
+        messages.error(
+            place_of(node, attribute),
+            &format!("there is no {noun} '{}'", clip(name)),
+            "one end of a loop",
+            &advice(known, name, noun),
+        );
+    }
+    found
 }
 
 /// Advice about a name that is not there.

@@ -1,10 +1,9 @@
 //! Masses of geoms: their shape, size and density.
 
-use super::places::unit;
 use super::{Inner, MjcfReader};
 use crate::robot::attributes::place_of;
 use crate::robot::inertia::LinkInertial;
-use crate::rotation::{FramePose, add, scaled, upright};
+use crate::rotation::{FramePose, add, scaled, unit, upright};
 use crate::xml::place;
 use robovec_ir::diagnostic::clip;
 use std::f64::consts::PI;
@@ -63,7 +62,9 @@ impl<'a> MjcfReader<'a, '_> {
     /// The mass of a geom, in the frame of its body; `None` for one without.
     pub(super) fn geom(&mut self, geom: &Inner<'a>) -> Option<LinkInertial> {
         let node = geom.node;
-        let class = self.defaults.class(node, geom.class, self.messages);
+        let class = self
+            .defaults
+            .class(node, "class", geom.class, self.messages);
         let group = self.number(node, class, "group").unwrap_or(0.0);
         let [low, high] = self.settings.groups;
         let mass = self.number(node, class, "mass");

@@ -1,5 +1,6 @@
 //! Masses of bodies: of their element `inertial`, or of their geoms.
 
+use super::defaults::MAIN;
 use super::settings::InertiaSource;
 use super::{Inner, MjcfReader};
 use crate::robot::attributes::{number, numbers, place_of};
@@ -44,7 +45,7 @@ impl<'a> MjcfReader<'a, '_> {
     fn inertial(&mut self, inertial: &Inner<'a>) -> Option<LinkInertial> {
         let node = inertial.node;
         let owner = "the `inertial`";
-        let pose = inertial.frame.then(&self.pose(node, self.defaults.main()));
+        let pose = inertial.frame.then(&self.pose(node, MAIN));
         let mass = number(node, "mass", owner, self.messages);
         if mass.is_none_or(|mass| mass < 0.0) {
             self.messages.error(

@@ -1,11 +1,10 @@
 //! The joints of a body, in series.
 
-use super::places::unit;
 use super::{Inner, JOINTS, MjcfReader};
 use crate::JointLaw;
 use crate::robot::attributes::place_of;
 use crate::robot::elements::{JointElement, RobotJointKind, joint_title};
-use crate::rotation::{FramePose, Rotation3, scaled};
+use crate::rotation::{FramePose, Rotation3, scaled, unit};
 use robovec_ir::diagnostic::clip;
 
 /// The link before a joint, and the pose of the body's frame on it.
@@ -22,7 +21,9 @@ impl<'a> MjcfReader<'a, '_> {
         pose: &FramePose,
     ) -> BeforeJoint {
         let node = joint.node;
-        let class = self.defaults.class(node, joint.class, self.messages);
+        let class = self
+            .defaults
+            .class(node, "class", joint.class, self.messages);
         let name = self.name(JOINTS, node, "joint");
         let at = place_of(node, "name");
         let Some(kind) = self.kind(joint, class, &name) else {

@@ -22,7 +22,7 @@ mod places;
 mod settings;
 mod tendons;
 
-use self::defaults::{ClassIndex, Defaults};
+use self::defaults::{ClassIndex, Defaults, MAIN};
 pub use self::include::with_includes;
 use self::settings::MjcfSettings;
 use crate::robot::attributes::place_of;
@@ -33,7 +33,7 @@ use crate::rotation::FramePose;
 use crate::xml::{Messages, is_usable, place, second, stem};
 use robovec_ir::diagnostic::clip;
 use roxmltree::Node;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::ops::Range;
 
 /// An element inside of a body: its frame in the body's, and its class.
@@ -42,12 +42,6 @@ struct Inner<'a> {
     node: Node<'a, 'a>,
     frame: FramePose,
     class: ClassIndex,
-}
-
-/// The names of one kind, with their places.
-#[derive(Default)]
-struct ElementNames {
-    places: FxHashMap<String, Range<usize>>,
 }
 
 struct MjcfReader<'a, 'm> {
@@ -61,7 +55,12 @@ struct MjcfReader<'a, 'm> {
     joints: FxHashMap<String, usize>,
     /// Link and pose of each site.
     sites: FxHashMap<String, (usize, FramePose)>,
-    names: [ElementNames; 3],
+    /// Places of the names of bodies, of joints and of sites.
+    names: [FxHashMap<String, Range<usize>>; 3],
+    /// All names of the file.
+    given: FxHashSet<&'a str>,
+    /// Names of loops.
+    loops: FxHashSet<String>,
 }
 
 /// The kinds of names.
@@ -130,6 +129,11 @@ pub(in crate::robot) fn read<'a>(
         joints: FxHashMap::default(),
         sites: FxHashMap::default(),
         names: Default::default(),
+        given: root
+            .descendants()
+            .filter_map(|node| node.attribute("name"))
+            .collect(),
+        loops: FxHashSet::default(),
     };
     reader.world(root);
     reader.finish_masses();
@@ -161,10 +165,9 @@ impl<'a> MjcfReader<'a, '_> {
     fn world(&mut self, root: Node<'a, 'a>) {
         let link = self.link("world".to_owned(), place(root), FramePose::HERE);
         self.bodies.insert("world".to_owned(), link);
-        let class = self.defaults.main();
         let mut pending: Vec<(Inner<'a>, usize)> = Vec::new();
         let bodies: Vec<Inner<'a>> = children(root, "worldbody")
-            .flat_map(|node| self.contents(node, class))
+            .flat_map(|node| self.contents(node, MAIN))
             .collect();
         self.sites(link, &bodies);
         pending.extend(bodies_of(&bodies, link));
@@ -192,7 +195,7 @@ impl<'a> MjcfReader<'a, '_> {
             }
             let class = self
                 .defaults
-                .child_class(inner.node, inner.class, self.messages);
+                .class(inner.node, "childclass", inner.class, self.messages);
             let frame = match name {
                 "frame" => inner.frame.then(&self.pose(inner.node, inner.class)),
                 _ => inner.frame,
@@ -266,13 +269,13 @@ impl<'a> MjcfReader<'a, '_> {
         self.robot.joints.push(JointElement {
             place: at.clone(),
             child_place: at,
+            origin: pose,
             ..JointElement::new(
                 format!("{name}_fixed"),
                 RobotJointKind::Fixed,
                 [parent, child],
             )
         });
-        self.robot.joints.last_mut().expect("it was added").origin = pose;
         (child, FramePose::HERE)
     }
 
@@ -291,7 +294,7 @@ impl<'a> MjcfReader<'a, '_> {
         let given = node.attribute("name").map(str::trim).unwrap_or_default();
         if !given.is_empty() && !given.contains(char::is_control) {
             let at = place_of(node, "name");
-            match self.names[kind].places.get(given) {
+            match self.names[kind].get(given) {
                 Some(first) => self.messages.push_error(second(
                     &format!(
                         "there are two elements `{noun}` with the name '{}'",
@@ -302,23 +305,20 @@ impl<'a> MjcfReader<'a, '_> {
                     "give each of them a different name",
                 )),
                 None => {
-                    self.names[kind].places.insert(given.to_owned(), at);
+                    self.names[kind].insert(given.to_owned(), at);
                 }
             }
             return given.to_owned();
         }
-        let numbers = self.names[kind].places.len() + 1..;
+        let numbers = self.names[kind].len() + 1..;
         let mut names = numbers.map(|number| format!("{noun}{number}"));
-        let root = node.document().root_element();
         let is_free = |name: &String| {
-            let mut others = root.descendants();
-            !self.names[kind].places.contains_key(name)
-                && !others.any(|other| other.attribute("name") == Some(name))
+            !self.names[kind].contains_key(name) && !self.given.contains(name.as_str())
         };
         let name = names
             .find(is_free)
             .expect("there are more numbers than names");
-        self.names[kind].places.insert(name.clone(), place(node));
+        self.names[kind].insert(name.clone(), place(node));
         name
     }
 
@@ -331,7 +331,7 @@ impl<'a> MjcfReader<'a, '_> {
             let name = self.name(SITES, site.node, "site");
             let pose = site.frame.then(&self.pose(site.node, site.class));
             self.sites.insert(name.clone(), (link, pose));
-            let is_taken = self.names[BODIES].places.contains_key(&name);
+            let is_taken = self.names[BODIES].contains_key(&name);
             self.robot.frames.push(FrameElement {
                 name: match is_taken {
                     true => format!("{name}_site"),

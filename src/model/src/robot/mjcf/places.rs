@@ -2,7 +2,7 @@
 
 use super::{ClassIndex, MjcfReader};
 use crate::robot::attributes::{numbers, place_of};
-use crate::rotation::{FramePose, Rotation3, add, scaled, upright};
+use crate::rotation::{FramePose, Rotation3, add, scaled, unit, upright};
 use roxmltree::Node;
 
 /// The attributes of rotations, with the number of their numbers.
@@ -14,18 +14,6 @@ const ROTATIONS: [(&str, usize); 5] = [
     ("euler", 3),
 ];
 
-/// A vector of length one in a direction.
-pub(super) fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = vector.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    if largest == 0.0 {
-        return None;
-    }
-    // Scaled first, so that no square is lost.
-    let vector = scaled(vector, 1.0 / largest);
-    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    Some(vector.map(|x| x / length))
-}
-
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| a[k] * b[k]).sum()
 }
@@ -33,7 +21,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 impl<'a> MjcfReader<'a, '_> {
     /// The pose of an element in the frame around it.
     pub(super) fn pose(&mut self, node: Node<'a, 'a>, around: ClassIndex) -> FramePose {
-        let class = self.defaults.class(node, around, self.messages);
+        let class = self.defaults.class(node, "class", around, self.messages);
         FramePose {
             rotation: self.rotation(node, class),
             origin: self.vector(node, class, "pos", [0.0; 3]),

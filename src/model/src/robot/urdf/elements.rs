@@ -10,7 +10,7 @@ use crate::robot::elements::{
     FrameElement, JointElement, LinkElement, MimicElement, RobotElements, RobotJointKind,
     joint_title,
 };
-use crate::rotation::FramePose;
+use crate::rotation::{FramePose, unit};
 use crate::xml::{Messages, is_usable, place, second, stem};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
@@ -274,21 +274,16 @@ fn read_joint(
     let initial = limits.map_or(0.0, |[lower, upper]| 0.0_f64.clamp(lower, upper));
     let [parent, child_link] = ends;
     Some(JointElement {
-        name: joint_name?,
-        kind: kind?,
-        parent: parent?,
-        child: child_link?,
         origin,
         axis,
-        after: FramePose::HERE,
         initial: [initial, 0.0, 0.0, 0.0, 0.0, 0.0],
-        actuated: false,
         limits,
         law,
         armature,
         mimic,
         place: place_of(node, "name"),
         child_place: place_in(node, child, "link"),
+        ..JointElement::new(joint_name?, kind?, [parent?, child_link?])
     })
 }
 
@@ -333,20 +328,15 @@ fn read_axis(
         default,
         messages,
     );
-    let largest = given.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    if largest == 0.0 {
+    unit(given).unwrap_or_else(|| {
         messages.error(
             place_of(node, "xyz"),
             &format!("the axis of {title} has no length"),
             "this axis",
             "write a direction, such as \"0 0 1\"",
         );
-        return default;
-    }
-    // Scaled first, so that no square is lost.
-    let scaled = given.map(|x| x / largest);
-    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-    scaled.map(|x| x / length)
+        default
+    })
 }
 
 fn read_limits(
