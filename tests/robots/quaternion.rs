@@ -179,7 +179,14 @@ fn a_quaternion_gives_the_motion_of_yaw_pitch_and_roll() {
 
 #[test]
 fn what_has_no_free_base_or_depends_on_its_place_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let rotor = folder.path().join("rotor.xml");
+    let text = "<mujoco><worldbody><body><joint type='free' armature='1'/><geom size='0.1'/></body>\
+                </worldbody></mujoco>";
+    fs::write(&rotor, text).expect("written");
+    let rotor = format!("gen {} --quaternion", rotor.display());
     for (arguments, reason) in [
+        (rotor.as_str(), "its base has an armature"),
         (
             "gen examples/robots/arm.urdf --quaternion",
             "its first body has other joints",

@@ -63,6 +63,11 @@ pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), Ge
     if !is_free {
         return refused("its first body has other joints than x, y, z, yaw, pitch and roll");
     }
+    let base = model.bodies[0].joints.clone();
+    if model.joints[base].iter().any(|joint| joint.armature != 0.0) {
+        // It would resist the motion along the axes of the ground.
+        return refused("its base has an armature");
+    }
     if model.bodies[1..].iter().any(|body| body.parent.is_none()) {
         return refused("other bodies are attached to the ground as well");
     }
