@@ -40,7 +40,7 @@ use Sample::{
 
 /// The places of command lines that name a file (`@`): the extension it has
 /// there, and the kinds that are taken.
-const PLACES: [(&str, &str, &[Sample]); 61] = [
+const PLACES: [(&str, &str, &[Sample]); 63] = [
     (
         "robovec-opt @ --passes=atomise",
         "rvir",
@@ -127,6 +127,8 @@ const PLACES: [(&str, &str, &[Sample]); 61] = [
     ("sim good.mbs --laws=@", "toml", &[Laws]),
     ("sim equilibrium @", "mbs", &[Model]),
     ("sim equilibrium good.mbs --laws=@", "toml", &[Laws]),
+    ("sim fmu @ -o x.fmu", "mbs", &[Model]),
+    ("sim fmu good.mbs -o x.fmu --laws=@", "toml", &[Laws]),
     ("sim modal @", "urdf", &[Model]),
     ("sim modal good.mbs --laws=@", "toml", &[Laws]),
     ("rtl simulate @", "", &[Images]),

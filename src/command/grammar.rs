@@ -204,6 +204,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
             "robovec sim examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml --time 2 -o ride.csv",
             "robovec sim equilibrium examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml",
             "robovec sim modal examples/models/bogie.mbs --laws examples/laws/bogie.toml",
+            "robovec sim fmu examples/models/quarter-car.mbs --laws examples/laws/quarter-car-tyre.toml -o quarter-car.fmu",
         ],
     ),
     (

@@ -183,6 +183,7 @@ fn refusals_come_before_work_and_look_behind_links() {
         ("x.py", "view nothing.rvir --trace x.py"),
         ("x.py", "sim modal nothing.mbs -o x.py"),
         ("x.py", "sim equilibrium nothing.mbs -o x.py"),
+        ("x.py", "sim fmu nothing.mbs -o x.py"),
         ("x.rules", "rules find nothing.rvir -o x.rules"),
         (
             "x.rules",

@@ -6,6 +6,7 @@ mod contact;
 mod equations;
 mod examples;
 mod failures;
+mod fmu;
 mod forces;
 mod models;
 mod runs;

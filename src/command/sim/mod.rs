@@ -1,6 +1,7 @@
-//! `robovec sim`: a model in motion, at rest (`equilibrium`), and around a
-//! state (`modal`).
+//! `robovec sim`: a model in motion, at rest (`equilibrium`), around a state
+//! (`modal`), and as a unit for other tools (`fmu`).
 
+mod fmu;
 mod standing;
 mod warnings;
 
@@ -69,6 +70,8 @@ enum StandingCommand {
     Equilibrium(standing::EquilibriumArguments),
     /// Find the modes of a model under its laws: frequencies, damping, shapes
     Modal(standing::ModalArguments),
+    /// Write an FMU (FMI 3.0) that other simulation tools import
+    Fmu(fmu::FmuArguments),
 }
 
 /// A model with its laws, as named by the user.
@@ -180,6 +183,7 @@ pub(super) fn run(command: &SimCommand) -> Result<String, CommandFailure> {
     match &command.standing {
         Some(StandingCommand::Equilibrium(arguments)) => standing::equilibrium(arguments),
         Some(StandingCommand::Modal(arguments)) => standing::modal(arguments),
+        Some(StandingCommand::Fmu(arguments)) => fmu::run(arguments),
         None => motion(&command.motion),
     }
 }

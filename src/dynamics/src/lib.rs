@@ -1,5 +1,6 @@
 //! Equations of multibody systems from models, and models in motion.
 
+pub mod fmu;
 pub mod generate;
 pub mod kinematics;
 pub mod motion;

@@ -62,7 +62,7 @@ impl MotionState {
 
 /// Source of one input element.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum InputSource {
+pub(crate) enum InputSource {
     Parameter(f64),
     Time,
     Position(usize),
@@ -167,7 +167,8 @@ pub fn parameter(model: &Model, array: &str, indices: &[u32]) -> Option<f64> {
     }
 }
 
-fn source(model: &Model, array: &str, indices: &[u32]) -> Option<InputSource> {
+/// The source of an element of an input array; `None` if the model has none.
+pub(crate) fn source(model: &Model, array: &str, indices: &[u32]) -> Option<InputSource> {
     // Indices count from 1.
     let place = |index: u32| index.checked_sub(1).map(|index| index as usize);
     let joint = |index: u32| place(index).filter(|&joint| joint < model.joints.len());

@@ -9,7 +9,7 @@ mod closing;
 mod compiled;
 mod constraints;
 mod error;
-mod inputs;
+pub(crate) mod inputs;
 pub mod linear;
 mod partition;
 mod states;

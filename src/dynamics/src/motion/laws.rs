@@ -227,7 +227,7 @@ impl Support {
     }
 
     /// True where a contact or a tyre can give a force.
-    pub(super) fn meets_ground(&self) -> bool {
+    pub(crate) fn meets_ground(&self) -> bool {
         self.contact.acts() || self.tyre.is_some()
     }
 

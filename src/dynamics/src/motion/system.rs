@@ -129,6 +129,12 @@ impl<'m> MultibodySystem<'m> {
         laws
     }
 
+    /// The initial lengths of links, m. Along one axis of the common frame they
+    /// have the axis' sign, and keep it.
+    pub fn link_lengths(&self) -> &[f64] {
+        &self.lengths
+    }
+
     /// The laws.
     pub fn laws(&self) -> &Laws {
         &self.laws

@@ -1,0 +1,285 @@
+//! Generated functions of an FMU: from and to places of the array of variables,
+//! with their derivatives along a direction.
+
+use super::FmuError;
+use super::variables::{FmuVariables, NumberPlace, VariableRole};
+use crate::generate::{Formulation, GenerationRequest, Options, generate};
+use robovec_cgen::c::{self, ElementOrder, Layout, Real, Signature};
+use robovec_framework::manager::{self, Config};
+use robovec_framework::rewrite::without_dead;
+use robovec_ir::{
+    Assignment, Function, Input, Machine, Module, Node, Operand, OperandKind, Output, Shape, View,
+};
+use robovec_passes::registry::REGISTRY;
+use robovec_robotran::FunctionKind;
+
+/// A part of a step. The order is that of the kinds in `types.c`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct StepPart {
+    name: &'static str,
+    function: FunctionKind,
+    /// First letters of its outputs.
+    outputs: &'static [&'static str],
+}
+
+/// Number of kinds.
+pub(super) const KINDS: usize = PARTS.len();
+
+const PARTS: [StepPart; 7] = [
+    StepPart {
+        name: "positions",
+        function: FunctionKind::LoopPositions,
+        outputs: &["q", "h"],
+    },
+    StepPart {
+        name: "velocities",
+        function: FunctionKind::LoopVelocities,
+        outputs: &["qd"],
+    },
+    StepPart {
+        name: "lengths",
+        function: FunctionKind::Link,
+        outputs: &["Z", "Zd"],
+    },
+    StepPart {
+        name: "link_loads",
+        function: FunctionKind::Link,
+        outputs: &["frc", "trq"],
+    },
+    StepPart {
+        name: "points",
+        function: FunctionKind::Extforces,
+        outputs: &["PxF", "VxF", "OMxF", "RxF"],
+    },
+    StepPart {
+        name: "point_loads",
+        function: FunctionKind::Extforces,
+        outputs: &["frc", "trq"],
+    },
+    StepPart {
+        name: "accelerations",
+        function: FunctionKind::Accelred,
+        outputs: &["qdd"],
+    },
+];
+
+/// A function of the C.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct FmuFunction {
+    /// Place among the kinds.
+    pub(super) kind: usize,
+    /// It computes derivatives along a direction.
+    pub(super) along: bool,
+    pub(super) name: String,
+    pub(super) source: String,
+    pub(super) from: Vec<NumberPlace>,
+    /// Number of inputs before those that are parameters.
+    pub(super) moving: usize,
+    pub(super) to: Vec<NumberPlace>,
+}
+
+/// Name of the vector of outputs.
+const RESULTS: &str = "results";
+
+/// Passes over a function, and over its derivative.
+const SHORTEN: &str = "$cpu";
+
+/// The functions of a model's steps.
+pub(super) fn functions(
+    variables: &mut FmuVariables<'_>,
+    formulation: Formulation,
+) -> Result<Vec<FmuFunction>, FmuError> {
+    let model = variables.model;
+    let mut functions = Vec::new();
+    for (kind, part) in PARTS.iter().enumerate() {
+        let is_there = match part.function {
+            FunctionKind::Link => !model.links.is_empty(),
+            FunctionKind::Extforces => !model.forces.is_empty(),
+            FunctionKind::Accelred => true,
+            _ => !model.cuts.is_empty(),
+        };
+        if !is_there {
+            continue;
+        }
+        let (module, places) = equations(variables, part, formulation)?;
+        let along = directions(&module);
+        for (is_along, passes) in [(false, Some(SHORTEN.to_owned())), (true, along)] {
+            let Some(passes) = passes else { continue };
+            let mut made = module.clone();
+            run(&mut made, &passes)?;
+            let name = match is_along {
+                true => format!("{}_along", part.name),
+                false => part.name.to_owned(),
+            };
+            let place = |set: &Assignment| NumberPlace {
+                along: is_along,
+                ..places[set.output.index()]
+            };
+            let to = made.functions[0].assignments.iter().map(place).collect();
+            functions.push(FmuFunction {
+                kind,
+                along: is_along,
+                ..flat(&mut made, variables, &name, to)?
+            });
+        }
+    }
+    Ok(functions)
+}
+
+/// A function with the outputs of a part alone, as one vector, and their places.
+fn equations(
+    variables: &FmuVariables<'_>,
+    part: &StepPart,
+    formulation: Formulation,
+) -> Result<(Module, Vec<NumberPlace>), FmuError> {
+    let request = GenerationRequest {
+        function: part.function,
+        formulation,
+        options: Options::default(),
+    };
+    let mut module = generate(variables.model, &request)?;
+    let old = module
+        .functions
+        .pop()
+        .expect("the generator gives a function");
+    let mut places = Vec::new();
+    let mut assignments = Vec::new();
+    for set in &old.assignments {
+        let (array, indices, rank) = old.output_element(set.output);
+        let name = module.tables.symbols.text(array.name);
+        let word = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        // Numbers that are no arrays are arguments of user functions.
+        if rank > 0 && part.outputs.contains(&word) {
+            let output = Output(places.len() as u32);
+            places.push(variables.output(word, name, &indices[..rank]));
+            assignments.push(Assignment { output, ..*set });
+        }
+    }
+    let mut function = Function::new(&old.name, old.level);
+    for &number in old.constants() {
+        function.constant(number);
+    }
+    for array in old.inputs() {
+        function.add_input(array.name, array.shape);
+    }
+    for node in old.nodes() {
+        function.push(*node);
+    }
+    let results = module.tables.symbols.intern(RESULTS);
+    function.add_output(results, Shape::Vector(places.len() as u32));
+    function.assignments = assignments;
+    module.functions.push(without_dead(function));
+    Ok((module, places))
+}
+
+/// The passes that give the derivative along all inputs that move; `None` where
+/// none does.
+fn directions(module: &Module) -> Option<String> {
+    let moves = |name: &str| {
+        matches!(name, "q" | "qd" | "qdd" | "Qq" | "frc" | "trq")
+            || ["Flink", "Flnk", "SWr"]
+                .iter()
+                .any(|word| name.starts_with(word))
+    };
+    let inputs = module.functions[0].inputs().iter();
+    let names = inputs.map(|array| module.tables.symbols.text(array.name));
+    let names: Vec<&str> = names.filter(|name| moves(name)).collect();
+    let by = names.join("+");
+    let differentiate = format!("differentiate{{result=direction by={by} values=false}}");
+    (!names.is_empty()).then(|| format!("atomise,{differentiate},fold,cse,dce,{SHORTEN}"))
+}
+
+fn run(module: &mut Module, passes: &str) -> Result<(), FmuError> {
+    let pipeline = REGISTRY.pipeline(passes).expect("made of known passes");
+    let machine = Machine::built_in("thesis").expect("it ships");
+    // Remarks are about functions that nobody sees.
+    let mut silent = std::io::sink();
+    let outcome = manager::run(module, &pipeline, Config::new(&machine, &mut silent));
+    outcome.map_err(|error| FmuError::Passes(error.to_string()))?;
+    Ok(())
+}
+
+/// The function with one vector of inputs, those that are parameters last, and
+/// outputs for the places `to`, as C.
+fn flat(
+    module: &mut Module,
+    variables: &mut FmuVariables<'_>,
+    name: &str,
+    to: Vec<NumberPlace>,
+) -> Result<FmuFunction, FmuError> {
+    let function = &module.functions[0];
+    let symbols = &module.tables.symbols;
+    let read = function.nodes().iter().flat_map(|node| node.operands());
+    let set = function.assignments.iter().map(|set| &set.operand);
+    let mut used: Vec<Input> = read
+        .chain(set)
+        .filter_map(|operand| operand.input())
+        .collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut placed = Vec::with_capacity(used.len());
+    for input in used {
+        let (array, indices, rank) = function.input_element(input);
+        let place = variables.input(symbols.text(array.name), &indices[..rank]);
+        placed.push((place.map_err(FmuError::Element)?, input));
+    }
+    let is_fixed =
+        |place: &NumberPlace| variables.list[place.slot as usize].role == VariableRole::Parameter;
+    placed.sort_by_key(|(place, _)| is_fixed(place));
+    let moving = placed.iter().filter(|(place, _)| !is_fixed(place)).count();
+    let mut new = Function::new(&format!("robovec_{name}"), function.level);
+    let [numbers, results] = ["numbers", RESULTS].map(|word| module.tables.symbols.intern(word));
+    new.add_input(numbers, Shape::Vector(placed.len().max(1) as u32));
+    new.add_output(results, Shape::Vector(to.len().max(1) as u32));
+    let mut moved = vec![0; function.input_len()];
+    for (place, (_, input)) in placed.iter().enumerate() {
+        moved[input.index()] = place as u32;
+    }
+    let renamed = |new: &mut Function, operand: Operand| match operand.kind() {
+        OperandKind::Input(input) => Input(moved[input.index()]).into(),
+        OperandKind::Constant(constant) => new.constant(function.constant_number(constant)).into(),
+        OperandKind::Value(_) | OperandKind::None => operand,
+    };
+    for node in function.nodes() {
+        let operands = node.operands.map(|operand| renamed(&mut new, operand));
+        new.push(Node { operands, ..*node });
+    }
+    for (place, set) in function.assignments.iter().enumerate() {
+        let operand = renamed(&mut new, set.operand);
+        let output = Output(place as u32);
+        new.assignments.push(Assignment {
+            output,
+            operand,
+            ..*set
+        });
+    }
+    let view = View {
+        tables: &module.tables,
+        function: &new,
+    };
+    Ok(FmuFunction {
+        kind: 0,
+        along: false,
+        name: new.name.clone(),
+        source: c_source(view),
+        from: placed.into_iter().map(|(place, _)| place).collect(),
+        moving,
+        to,
+    })
+}
+
+fn c_source(view: View<'_>) -> String {
+    let options = c::Options {
+        signature: Signature::Plain,
+        real: Real::Double,
+        is_local: true,
+        layout: Layout::FromZero {
+            order: ElementOrder::Row,
+            is_sparse: false,
+        },
+        ..c::Options::default()
+    };
+    let files = c::files(view, &options);
+    let [(_, source), _header] = files.expect("every function has a plain signature");
+    source
+}
