@@ -23,13 +23,15 @@
 //! The same in the frames of spatial vectors is Singh, Russell and Wensing,
 //! "Efficient analytical derivatives of rigid-body dynamics using spatial vector
 //! algebra", IEEE RA-L 7 (2022); point accelerations need no velocity of origins.
-//! External forces turn with their bodies. Needs `sin^2 + cos^2 = 1`, which also
+//! External forces turn with their bodies. A free base that a quaternion describes
+//! changes otherwise ([`super::free_base`]). Needs `sin^2 + cos^2 = 1`, which also
 //! states that the derivative of the sine is the cosine.
 
 use super::Options;
 use super::algebra::{Scalar, Sum};
 use super::composite::carry;
 use super::equations::{Equations, QuantityLabel};
+use super::free_base;
 use super::inertia::{SumWrench, Wrench, turn_general};
 use super::parameters::ModelParameters;
 use super::recursive::{JointLoad, Recursion};
@@ -105,6 +107,27 @@ struct MovedMoments {
     moments: Matrix,
     /// `tr N - N`.
     turning: Matrix,
+}
+
+/// Change of the motion of a frame.
+#[derive(Clone, Copy)]
+pub(super) struct MotionChange {
+    /// That of its angular acceleration, with all centrifugal terms.
+    pub(super) angular: Vector,
+    /// That of the acceleration of its origin.
+    pub(super) linear: Vector,
+    /// That of its angular velocity, for bodies that move as seen from it.
+    pub(super) velocity: Vector,
+}
+
+impl MotionChange {
+    pub(super) fn of_origin(linear: Vector) -> MotionChange {
+        MotionChange {
+            angular: ZERO,
+            linear,
+            velocity: ZERO,
+        }
+    }
 }
 
 struct Derivative<'e, 'p, 'm> {
@@ -275,8 +298,7 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         let axis = parameters.axis(joint);
         let mut unit = self.composites[joint].column(axis, parameters.is_revolute(joint));
         let mut turning = self.turning(joint);
-        let mut by_position = self.by_position(joint);
-        let mut by_velocity = self.by_velocity(joint);
+        let [mut by_position, mut by_velocity] = self.changed_loads(joint);
         self.keep(
             (joint, joint),
             by_position.along(parameters, joint),
@@ -337,100 +359,96 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         }
     }
 
-    /// Change, by the position of a joint, of the wrench it carries, in the
-    /// frame after it: the answer of its composite to the other motion of its
-    /// base, and the wrench itself as it turns or is moved.
-    fn by_position(&mut self, joint: usize) -> Wrench {
+    /// Changes of the motion of the frame after a joint by the position and by
+    /// the velocity of the joint, for bodies that are seen from it.
+    fn changes(&self, joint: usize) -> [MotionChange; 2] {
         let parameters = self.recursion.parameters;
         let a = parameters.axis(joint);
-        let (b, c) = cyclic(a);
+        if joint < parameters.resting.len() {
+            return free_base::changes(parameters, joint);
+        }
         let column = self.recursion.tildes[joint].map(|row| row[a]);
-        let load = self.loads[joint];
-        let mut wrench = SumWrench::new();
-        if parameters.is_revolute(joint) {
-            let linear = across(a, &self.recursion.motions[joint].linear);
-            self.add_answer(&mut wrench, joint, (&column, &linear));
+        let doubled = across(a, &self.doubled[joint]);
+        if !parameters.is_revolute(joint) {
+            return [column, doubled].map(MotionChange::of_origin);
+        }
+        let by_position = MotionChange {
+            angular: column,
+            linear: across(a, &self.recursion.motions[joint].linear),
             // `OM x s` is added to the angular velocity.
-            let velocity = across(a, &self.recursion.velocities[joint]);
-            let moved = self.moved[joint];
-            add_cross(&mut wrench.force, &velocity, &moved.momentum, false);
-            add_matrix_product(&mut wrench.torque, &moved.turning, &velocity);
-            for (sum, vector) in [
-                (&mut wrench.force, load.force),
-                (&mut wrench.torque, load.torque),
-            ] {
+            velocity: across(a, &self.recursion.velocities[joint]),
+        };
+        let by_velocity = MotionChange {
+            angular: doubled,
+            linear: ZERO,
+            velocity: unit(a),
+        };
+        [by_position, by_velocity]
+    }
+
+    /// Changes, by the position and by the velocity of a joint, of the wrench it
+    /// carries, in the frame after it: the answer of its composite to the other
+    /// motion of its base, and the wrench itself as it turns or is moved.
+    fn changed_loads(&mut self, joint: usize) -> [Wrench; 2] {
+        let parameters = self.recursion.parameters;
+        let (b, c) = cyclic(parameters.axis(joint));
+        let load = self.loads[joint];
+        let [mut by_position, by_velocity] = self
+            .changes(joint)
+            .map(|change| self.wrench(joint, &change));
+        // The force on a free base has the axes of the base.
+        if joint >= parameters.resting.len() {
+            let turn = |sum: &mut SumVector, vector: &Vector| {
                 sum[b].subtract(&[vector[c]]);
                 sum[c].add(&[vector[b]]);
+            };
+            if parameters.is_revolute(joint) {
+                turn(&mut by_position.force, &load.force);
+                turn(&mut by_position.torque, &load.torque);
+            } else {
+                turn(&mut by_position.torque, &load.force);
             }
-        } else {
-            self.add_answer(&mut wrench, joint, (&ZERO, &column));
-            wrench.torque[b].subtract(&[load.force[c]]);
-            wrench.torque[c].add(&[load.force[b]]);
         }
-        wrench.define(self.equations(), ("VF", "VC"), joint, joint + 1)
+        let equations = self.equations();
+        [
+            by_position.define(equations, ("VF", "VC"), joint, joint + 1),
+            by_velocity.define(equations, ("VG", "VH"), joint, joint + 1),
+        ]
     }
 
-    /// The same for its velocity.
-    fn by_velocity(&mut self, joint: usize) -> Wrench {
-        let parameters = self.recursion.parameters;
-        let a = parameters.axis(joint);
-        let doubled = across(a, &self.doubled[joint]);
+    /// The wrench that a composite takes for a change of its motion.
+    fn wrench(&self, joint: usize, change: &MotionChange) -> SumWrench {
+        let (composite, moved) = (&self.composites[joint], &self.moved[joint]);
         let mut wrench = SumWrench::new();
-        if parameters.is_revolute(joint) {
-            self.add_answer(&mut wrench, joint, (&doubled, &ZERO));
-            let moved = self.moved[joint];
-            add_cross(&mut wrench.force, &unit(a), &moved.momentum, false);
-            for (component, row) in wrench.torque.iter_mut().zip(&moved.turning) {
-                component.add(&[row[a]]);
-            }
-        } else {
-            self.add_answer(&mut wrench, joint, (&ZERO, &doubled));
-        }
-        wrench.define(self.equations(), ("VG", "VH"), joint, joint + 1)
-    }
-
-    /// Adds the wrench for an acceleration (angular, linear) of a composite.
-    fn add_answer(
-        &self,
-        wrench: &mut SumWrench,
-        joint: usize,
-        (angular, linear): (&Vector, &Vector),
-    ) {
-        let composite = &self.composites[joint];
-        for (component, &value) in wrench.force.iter_mut().zip(linear) {
+        let SumWrench { force, torque } = &mut wrench;
+        for (component, &value) in force.iter_mut().zip(&change.linear) {
             component.add(&[composite.mass, value]);
         }
-        add_cross(&mut wrench.force, angular, &composite.first, false);
-        add_matrix_product(&mut wrench.torque, &composite.moments, angular);
-        add_cross(&mut wrench.torque, &composite.first, linear, false);
+        add_cross(force, &change.angular, &composite.first, false);
+        add_matrix_product(torque, &composite.moments, &change.angular);
+        add_cross(torque, &composite.first, &change.linear, false);
+        add_cross(force, &change.velocity, &moved.momentum, false);
+        add_matrix_product(torque, &moved.turning, &change.velocity);
+        wrench
     }
 
     /// The derivatives of the force of a joint by the position and the velocity
     /// of a joint before it, where a unit of acceleration of the former takes
     /// `taken`.
     fn answer(&mut self, joint: usize, before: usize, taken: &Wrench, turning: &Vector) {
-        let parameters = self.recursion.parameters;
-        let a = parameters.axis(before);
-        let column = self.recursion.tildes[before].map(|row| row[a]);
-        let doubled = across(a, &self.doubled[before]);
-        let (mut by_position, mut by_velocity) = (Sum::new(), Sum::new());
-        let add_product = |sum: &mut Sum, one: &Vector, other: &Vector| {
-            for (&one, &other) in one.iter().zip(other) {
-                sum.add(&[one, other]);
+        let [by_position, by_velocity] = self.changes(before).map(|change| {
+            let mut sum = Sum::new();
+            for (one, other) in [
+                (&taken.torque, &change.angular),
+                (&taken.force, &change.linear),
+                (turning, &change.velocity),
+            ] {
+                for (&one, &other) in one.iter().zip(other) {
+                    sum.add(&[one, other]);
+                }
             }
-        };
-        if parameters.is_revolute(before) {
-            let linear = across(a, &self.recursion.motions[before].linear);
-            let velocity = across(a, &self.recursion.velocities[before]);
-            add_product(&mut by_position, &taken.torque, &column);
-            add_product(&mut by_position, &taken.force, &linear);
-            add_product(&mut by_position, turning, &velocity);
-            add_product(&mut by_velocity, &taken.torque, &doubled);
-            by_velocity.add(&[turning[a]]);
-        } else {
-            add_product(&mut by_position, &taken.force, &column);
-            add_product(&mut by_velocity, &taken.force, &doubled);
-        }
+            sum
+        });
         let [by_position, by_velocity] =
             [("VX", by_position), ("VY", by_velocity)].map(|(prefix, sum)| {
                 let label = QuantityLabel::new(prefix, 0, before + 1).column(joint + 1);
@@ -445,7 +463,7 @@ fn twice(scalar: Scalar) -> Sum {
 }
 
 /// A vector times the unit vector of an axis.
-fn across(axis: usize, vector: &Vector) -> Vector {
+pub(super) fn across(axis: usize, vector: &Vector) -> Vector {
     let (b, c) = cyclic(axis);
     let mut across = ZERO;
     across[b] = vector[c];

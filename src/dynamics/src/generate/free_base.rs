@@ -16,10 +16,18 @@
 //!
 //! There is no pitch at which the equations are singular, and six angles have
 //! neither sines nor cosines.
+//!
+//! Derivatives by the position of the base are those along its own axes: its
+//! origin moves by `R d`, or it turns by `R exp(~d)`, while `v`, `w`, `vd` and
+//! `wd` stay. Only gravity along its axes changes, by `g x d`. Of the velocities
+//! `v` adds `w x d` to the acceleration of the origin; `w` adds `d x v`, and to
+//! bodies at `r` that move as `u` the accelerations `2 d x u + (w x d) x r`.
 
 use super::algebra::{Scalar, Sum};
+use super::derivative::{MotionChange, across};
 use super::equations::{Equations, QuantityLabel};
-use super::vector::{Vector, cyclic};
+use super::parameters::ModelParameters;
+use super::vector::{Vector, ZERO, cyclic, unit};
 use super::{GenerateError, GenerationRequest};
 use robovec_model::{Axis, JointKind, Model};
 use robovec_robotran::FunctionKind;
@@ -34,8 +42,20 @@ const KINDS: [JointKind; 6] = [
     JointKind::Revolute(Axis::X),
 ];
 
+/// The functions that do not depend on the place of the base.
+const SUPPORTED: [FunctionKind; 8] = [
+    FunctionKind::Dirdyna,
+    FunctionKind::Invdyna,
+    FunctionKind::Accelred,
+    FunctionKind::InvdynaD,
+    FunctionKind::DirdynaD,
+    FunctionKind::AccelD,
+    FunctionKind::Minv,
+    FunctionKind::Regressor,
+];
+
 /// Refuses models without a free base, functions that depend on its place, and
-/// derivatives.
+/// derivatives along loops.
 pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), GenerateError> {
     let refused = |why: &str| {
         Err(GenerateError::Quaternion {
@@ -44,15 +64,15 @@ pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), Ge
         })
     };
     let function = request.function;
-    let supported = matches!(
-        function,
-        FunctionKind::Dirdyna | FunctionKind::Invdyna | FunctionKind::Accelred | FunctionKind::Minv
-    );
-    if !supported {
+    if !SUPPORTED.contains(&function) {
+        let names = SUPPORTED.map(FunctionKind::name).join(", ");
         return refused(&format!(
-            "{} is not among its functions, which are dirdyna, invdyna, accelred and minv",
+            "{} is not among its functions, which are {names}",
             function.name()
         ));
+    }
+    if function == FunctionKind::AccelD && !model.cuts.is_empty() {
+        return refused("accel_d closes loops with yaw, pitch and roll only; dirdyna_d does not");
     }
     let is_free = model.bodies.first().is_some_and(|body| {
         let joints = &model.joints[body.joints.clone()];
@@ -114,4 +134,23 @@ pub(super) fn resting(equations: &mut Equations, qd: &[Scalar]) -> Vec<Scalar> {
         all.push(define(joint, Sum::product(&factors)));
     }
     all
+}
+
+/// Changes of the motion of the base along the axis of one of its joints, by
+/// position and by velocity.
+pub(super) fn changes(parameters: &ModelParameters<'_>, joint: usize) -> [MotionChange; 2] {
+    let axis = parameters.axis(joint);
+    let qd = &parameters.qd;
+    let (v, w) = ([qd[0], qd[1], qd[2]], [qd[5], qd[4], qd[3]]);
+    if !parameters.is_revolute(joint) {
+        return [ZERO, across(axis, &w)].map(MotionChange::of_origin);
+    }
+    let turned = across(axis, &parameters.gravity);
+    let by_velocity = MotionChange {
+        angular: across(axis, &w),
+        linear: across(axis, &v).map(|component| -component),
+        velocity: unit(axis),
+    };
+    let by_position = turned.map(|component| -component);
+    [MotionChange::of_origin(by_position), by_velocity]
 }

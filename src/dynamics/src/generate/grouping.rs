@@ -100,15 +100,16 @@ impl GroupedInertia {
     }
 }
 
-/// The inertias of all frames, with as much as possible on the bodies before.
-pub(super) fn grouped(frames: &ModelFrames<'_>) -> Vec<GroupedInertia> {
+/// The inertias of all frames, with as much as possible on the bodies before,
+/// save that the frames before a first one keep theirs.
+pub(super) fn grouped(frames: &ModelFrames<'_>, first: usize) -> Vec<GroupedInertia> {
     let model = &frames.model;
     let of_body = |joint| match model.body_of(joint) {
         Some(body) => GroupedInertia::of_body(body.mass, body.center, body.inertia_matrix()),
         None => GroupedInertia::default(),
     };
     let mut all: Vec<GroupedInertia> = (0..model.joints.len()).map(of_body).collect();
-    for index in (0..all.len()).rev() {
+    for index in (first..all.len()).rev() {
         let joint = &model.joints[index];
         let kind = joint.kind;
         let own = &mut all[index];

@@ -169,7 +169,8 @@ impl<'m> ModelParameters<'m> {
         equations: &mut Equations,
     ) -> Self {
         let mut parameters = ModelParameters::new(frames, options, equations);
-        let inertias = grouped(frames);
+        // A free base moves along all axes at once, and not joint after joint.
+        let inertias = grouped(frames, parameters.resting.len());
         let scalars = inertias.iter().map(|own| {
             let moments = own.moments;
             let trace: f64 = (0..3).map(|axis| moments[axis][axis]).sum();
@@ -240,6 +241,16 @@ impl<'m> ModelParameters<'m> {
             return Scalar::ZERO;
         }
         let own = equations.input("qdd", &[joint + 1]);
+        self.with_resting(equations, joint, own)
+    }
+
+    /// The acceleration of a joint whose `qdd` is given.
+    pub(super) fn with_resting(
+        &self,
+        equations: &mut Equations,
+        joint: usize,
+        own: Scalar,
+    ) -> Scalar {
         let sum = Sum::total(&[own, given(&self.resting, joint)]);
         equations.define(QuantityLabel::new("QA", 0, joint + 1), sum)
     }

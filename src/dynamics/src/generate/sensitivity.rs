@@ -164,7 +164,7 @@ pub(super) fn forward(
     let forces: Vec<Scalar> = forces.collect();
     let solution = masses.solve(equations, parameters, &[forces])?;
     for (&joint, &value) in masses.joints.iter().zip(&solution[0]) {
-        accelerations[joint] = value;
+        accelerations[joint] = parameters.with_resting(equations, joint, value);
     }
     let found = ForceDerivatives::new(equations, parameters, options, &accelerations);
     let by_position = masses.accelerations(equations, parameters, &found.by_position)?;
