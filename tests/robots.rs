@@ -2,6 +2,7 @@
 //! the file alone, and the messages for wrong files.
 
 mod account;
+mod base_parameters;
 mod draw;
 mod frames;
 mod losses;

@@ -51,6 +51,7 @@ fn input(bytes: &mut Unstructured<'_>) -> Result<(Model, GenerationRequest, Lang
             user_constraints: bytes.int_in_range(0..=2)?,
             growth: bytes.arbitrary()?,
             quaternion: false,
+            base_columns: Vec::new(),
         },
     };
     Ok((model, request, *bytes.choose(&Language::ALL)?))

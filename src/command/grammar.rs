@@ -195,6 +195,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         "model",
         &[
             "robovec model examples/robots/arm.urdf",
+            "robovec model examples/robots/arm.urdf --base-parameters",
             "robovec model serial --joints 40 -o serial-40.mbs",
         ],
     ),

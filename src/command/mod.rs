@@ -6,6 +6,7 @@
 //! code 2.
 
 pub(crate) mod arguments;
+mod base_parameters;
 mod bench;
 mod compare;
 mod dump;

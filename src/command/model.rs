@@ -1,9 +1,10 @@
 //! `robovec model`: models to look at and to start from.
 
 use super::flags::{FlagLimit, SEED};
-use super::{CommandFailure, input, output};
+use super::{CommandFailure, base_parameters, input, output};
 use crate::command::emit;
 use clap::Args;
+use robovec_dynamics::generate::Options;
 use robovec_dynamics::stale;
 use robovec_io::files::Replace;
 use robovec_ir::diagnostic::{Diagnostic, Label, Report, Severity, did_you_mean};
@@ -11,6 +12,7 @@ use robovec_model::Model;
 use robovec_model::family::{self, ModelFamily};
 use robovec_model::mbs::{unsayable, write_mbs};
 use robovec_model::summary::summarise;
+use robovec_present::json::json_text;
 use std::path::PathBuf;
 
 /// The joints of a family that is given no number.
@@ -38,12 +40,25 @@ pub(super) struct ModelArguments {
     /// code 1 when one must be generated again
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "output")]
     equations: Vec<PathBuf>,
+    /// Print the base parameters: the fewest combinations of masses, first
+    /// moments and moments of inertia that determine the forces of joints
+    #[arg(long, conflicts_with_all = ["output", "equations"])]
+    base_parameters: bool,
+    /// Write the map from all parameters to the base parameters as JSON
+    #[arg(long, requires = "base_parameters", conflicts_with = "csv")]
+    json: bool,
+    /// Write the map as a CSV table
+    #[arg(long, requires = "base_parameters")]
+    csv: bool,
 }
 
 pub(super) fn run(arguments: &ModelArguments) -> Result<String, CommandFailure> {
     let name = arguments.subject.to_string_lossy();
     if let Some(family) = ModelFamily::from_name(&name) {
         let model = member(family, arguments)?;
+        if arguments.base_parameters {
+            return of_base(&model, arguments);
+        }
         return write(&model, arguments);
     }
     if arguments.subject.extension().is_none() && !arguments.subject.exists() {
@@ -57,9 +72,23 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, CommandFailure> 
     let read = input::model(&arguments.subject)?;
     match &arguments.output {
         Some(_) => write(&read.model, arguments),
+        None if arguments.base_parameters => of_base(&read.model, arguments),
         None if !arguments.equations.is_empty() => freshness(&read.model, &arguments.equations),
         None => Ok(summarise(&read.model)),
     }
+}
+
+/// The base parameters of a model.
+fn of_base(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFailure> {
+    let found = base_parameters::find(model, &Options::default())?;
+    let table = || base_parameters::table(model, &found);
+    Ok(if arguments.json {
+        json_text(&table())
+    } else if arguments.csv {
+        table().to_csv()
+    } else {
+        base_parameters::text(model, &found)
+    })
 }
 
 /// One line for each file of equations; a failure when one is stale.

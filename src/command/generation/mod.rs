@@ -5,7 +5,7 @@ mod whole_step;
 
 use super::arguments::InputLanguage;
 use super::flags::whole;
-use super::{CommandFailure, input, names, opt, output, telling};
+use super::{CommandFailure, base_parameters, input, names, opt, output, telling};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{ArgGroup, Args};
 use files::{FileArguments, GenerationName, OutputLanguage, refuse_losses};
@@ -81,6 +81,10 @@ pub(super) struct GenArguments {
     /// by its velocity, acceleration and force along its own axes
     #[arg(long)]
     quaternion: bool,
+    /// Write only the columns of the regressor that belong to base parameters
+    /// (robovec model --base-parameters prints these)
+    #[arg(long)]
+    base_parameters: bool,
     /// Number of constraint rows that the user computes (user_cons_hJ,
     /// user_cons_jdqd); they determine as many dependent joints of the model,
     /// in addition to those of the loops
@@ -125,6 +129,7 @@ impl GenArguments {
             ("--multipliers", self.multipliers),
             ("--jacobians", self.jacobians),
             ("--quaternion", self.quaternion),
+            ("--base-parameters", self.base_parameters),
             ("--user-constraints", self.user_constraints > 0),
             ("--driven", !self.driven.is_empty()),
             ("--hold", !self.hold.is_empty()),
@@ -176,6 +181,7 @@ impl GenArguments {
             user_constraints: self.user_constraints,
             growth: false,
             quaternion: self.quaternion,
+            base_columns: Vec::new(),
         }
     }
 }
@@ -369,7 +375,15 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
     }
     let forces = kinds.iter().find(|kind| kind.depends_on_link_forces());
     let model = arguments.model(path, forces.copied())?;
-    let options = arguments.options();
+    let mut options = arguments.options();
+    if arguments.base_parameters {
+        if !kinds.contains(&FunctionKind::Regressor) {
+            return Err(CommandFailure::plain(
+                "--base-parameters is for the regressor: add --function regressor",
+            ));
+        }
+        options.base_columns = base_parameters::find(&model, &options)?.columns();
+    }
     let mut module = Module::new();
     let mut empty = Vec::new();
     for function in kinds {

@@ -27,7 +27,7 @@ pub(super) struct GroupedInertia {
 
 impl GroupedInertia {
     /// Of a body whose moments are given about its centre.
-    fn of_body(mass: f64, center: [f64; 3], inertia: [f64; 9]) -> GroupedInertia {
+    pub(super) fn of_body(mass: f64, center: [f64; 3], inertia: [f64; 9]) -> GroupedInertia {
         let own = GroupedInertia {
             mass,
             first: [0.0; 3],

@@ -145,6 +145,7 @@ fn with_read_inputs(own: &Module, model: &Model) -> Function {
     let extents = Extents {
         joints: model.joints.len() as u32,
         points: points.filter_map(|(_, used)| Some((*used)?.1)).sum(),
+        columns: 0,
     };
     let mut new = Function::new(&old.name, old.level);
     new.metadata.clone_from(&old.metadata);

@@ -24,12 +24,18 @@ pub(super) struct Extents {
     pub(super) joints: u32,
     /// The columns of `dpt`: the largest number of a point that is used.
     pub(super) points: u32,
+    /// The columns of `Y` that are written; all when none.
+    pub(super) columns: u32,
 }
 
 impl Extents {
     pub(super) fn shape(&self, array: &str, indices: usize, used: (u32, u32)) -> Shape {
         let (rows, columns) = least_extent(array, self.joints);
-        let columns = if array == "dpt" { self.points } else { columns };
+        let columns = match array {
+            "dpt" => self.points,
+            "Y" if self.columns > 0 => self.columns,
+            _ => columns,
+        };
         match indices {
             0 => Shape::Scalar,
             1 => Shape::Vector(rows.max(used.0)),

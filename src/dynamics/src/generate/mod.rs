@@ -13,6 +13,7 @@
 mod actuation;
 mod algebra;
 mod articulated;
+mod base_parameters;
 mod bias;
 mod blocks;
 mod chain;
@@ -56,6 +57,7 @@ mod user_constraints;
 mod vector;
 
 use self::algebra::Scalar;
+pub use self::base_parameters::{BaseParameterError, BaseParameters, parameter_name};
 pub use self::contenders::{Contender, Contenders, contenders, fewest};
 use self::equations::{EquationStyle, Equations};
 pub use self::formulation::{Formulation, Requirements};
@@ -137,6 +139,9 @@ pub struct Options {
     /// length one), and by its velocity, acceleration and force along its own
     /// axes, the linear ones first; its positions are not read.
     pub quaternion: bool,
+    /// Columns of the regressor that are written, from 0, ascending; all when
+    /// there are none ([`BaseParameters::columns`]).
+    pub base_columns: Vec<usize>,
 }
 
 impl Default for Options {
@@ -154,6 +159,7 @@ impl Default for Options {
             user_constraints: 0,
             growth: false,
             quaternion: false,
+            base_columns: Vec::new(),
         }
     }
 }
@@ -469,6 +475,7 @@ pub fn generate_into(
     let extents = Extents {
         joints: model.joints.len() as u32,
         points: written.iter().map(lower::points).fold(0, u32::max),
+        columns: request.options.base_columns.len() as u32,
     };
     for (case, equations) in written.iter().enumerate() {
         let function = head(model, request, case);
@@ -566,6 +573,11 @@ fn metadata(model: &Model, request: &GenerationRequest) -> Vec<(String, String)>
     }
     if request.options.all_parameters {
         metadata.push(("all_parameter_symbols", "yes".to_owned()));
+    }
+    let columns = request.options.base_columns.iter();
+    let columns: Vec<String> = columns.copied().map(parameter_name).collect();
+    if !columns.is_empty() && request.function == FunctionKind::Regressor {
+        metadata.push(("columns", columns.join(" ")));
     }
     metadata
         .into_iter()

@@ -19,12 +19,12 @@ use super::recursive::Recursion;
 use super::vector::{add_cross, cyclic, unit};
 
 /// The numbers of a body.
-const NUMBERS: usize = 10;
+pub(super) const NUMBERS: usize = 10;
 
 /// Rows and columns of the moments of inertia, in their order.
-const MOMENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+pub(super) const MOMENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
-/// Writes `Y`.
+/// Writes `Y`, or the columns of base parameters.
 pub(super) fn write(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,
@@ -42,11 +42,21 @@ pub(super) fn write(
             continue;
         }
         for (number, wrench) in wrenches(&mut recursion, frame).into_iter().enumerate() {
-            write_column(&mut recursion, frame, (NUMBERS * joint + number, wrench));
+            let column = NUMBERS * joint + number;
+            let place = match &options.base_columns[..] {
+                [] => Ok(column),
+                kept => kept.binary_search(&column),
+            };
+            if let Ok(place) = place {
+                write_column(&mut recursion, frame, (place, wrench));
+            }
         }
     }
     // Every column is there, also those of the last joints without a body.
-    let last = NUMBERS * parameters.frames.places().len();
+    let last = match options.base_columns.len() {
+        0 => NUMBERS * parameters.frames.places().len(),
+        kept => kept,
+    };
     let size = [parameters.joints(), last];
     if let Some(joint) = (0..size[0]).find(|&joint| !parameters.frames.is_constant(joint)) {
         let there = equations.outputs.iter().any(|&(array, [_, column], _)| {
