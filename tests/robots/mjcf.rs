@@ -281,7 +281,11 @@ fn thousands_of_elements_without_names_are_read() {
 /// the file gives.
 #[test]
 fn mechanisms_with_loops_move() {
-    for (name, joints, loops) in [("four-bar.xml", 3, 1), ("biped.xml", 32, 4)] {
+    for (name, joints, loops) in [
+        ("four-bar.xml", 3, 1),
+        ("leg.xml", 8, 2),
+        ("biped.xml", 32, 4),
+    ] {
         let path = format!("examples/robots/{name}");
         let bytes = fs::read(tree(&path)).expect("it ships");
         let model = read_robot(name, &bytes, RobotBase::Fixed)

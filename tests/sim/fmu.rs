@@ -64,7 +64,7 @@ fn examples_move_in_fmpy_as_in_sim() {
         ("models/quarter-car.mbs", "laws/quarter-car-tyre.toml", "1"),
         ("models/leg.mbs", "laws/leg.toml", "0.3"),
         ("models/four-bar.mbs", "", "1"),
-        ("robots/four-bar.xml", "", "0.2"),
+        ("robots/leg.xml", "", "0.2"),
     ] {
         let [path, laws] = [model, laws].map(|name| format!("examples/{name}"));
         let mut subject = vec![path.as_str()];
@@ -152,6 +152,31 @@ fn models_that_do_not_move_have_no_fmu() {
 }
 
 #[test]
+fn links_of_robots_are_outputs_by_name() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("x.fmu").display().to_string();
+    let arm = [
+        "sim",
+        "fmu",
+        "examples/robots/arm.urdf",
+        "--compiler",
+        "no-such-compiler",
+        "-o",
+        &path,
+    ];
+    let text = said(&robovec(&[&arm[..], &["--frames", "tool,base"]].concat()));
+    // 21 of joints, 18 of each frame.
+    assert!(text.contains("57 outputs"), "{text}");
+    let output = robovec(&[&arm[..], &["--frames", "tol"]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    let message = stderr(&output);
+    assert!(
+        message.contains("no link 'tol'") && message.contains("did you mean 'tool'?"),
+        "{message}"
+    );
+}
+
+#[test]
 fn without_a_compiler_an_fmu_has_its_sources() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("x.fmu").display().to_string();
@@ -167,7 +192,7 @@ fn without_a_compiler_an_fmu_has_its_sources() {
     ]);
     let text = said(&output);
     assert!(
-        text.contains("4 states, 2 inputs, 8 parameters, 6 outputs"),
+        text.contains("4 states, 2 inputs, 9 parameters, 24 outputs"),
         "{text}"
     );
     assert!(stderr(&output).contains("has its C (sources) and no binary"));

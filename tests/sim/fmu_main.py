@@ -81,6 +81,17 @@ def derivatives():
         found = fmu.getDirectionalDerivative(unknowns, states + inputs, seed)
         size = 1 + max(map(abs, expected))
         worst = max([worst] + [abs(a - b) / size for a, b in zip(found, expected)])
+    # The derivative of a place along the motion is the velocity, where no law
+    # drives a joint.
+    names = [v.name for v in description.modelVariables]
+    places = [v for v in description.modelVariables if v.name.startswith("place.")]
+    if places and not any(name.startswith("law.driven.") for name in names):
+        rates = [f"velocity{v.name[5:]}" for v in places]
+        numbers = {v.name: v.valueReference for v in description.modelVariables}
+        motion = list(fmu.getFloat64([v.valueReference for v in slopes]))
+        along = fmu.getDirectionalDerivative([v.valueReference for v in places], states, motion)
+        for found, rate in zip(along, fmu.getFloat64([numbers[name] for name in rates])):
+            assert abs(found - rate) < 1e-9 * (1 + abs(rate)), (found, rate)
     fmu.setFMUState(fmu.deserializeFMUState(saved))
     assert list(fmu.getFloat64(unknowns)) == before
     parameters = [v for v in description.modelVariables if v.name.startswith("g.")]

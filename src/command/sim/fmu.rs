@@ -7,7 +7,8 @@ use robovec_dynamics::fmu::{Fmu, FmuError};
 use robovec_dynamics::generate::{Options, fewest};
 use robovec_io::files::TemporaryFolder;
 use robovec_io::process::ProgramCall;
-use robovec_ir::diagnostic::counted;
+use robovec_ir::diagnostic::{clip, counted, did_you_mean};
+use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use std::env::consts;
 use std::io::{self, Write};
@@ -27,6 +28,9 @@ pub(super) struct FmuArguments {
     /// operations]
     #[arg(long, value_parser = crate::command::generation::formulations())]
     formulation: Option<String>,
+    /// Links of a robot whose motion is among the outputs
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    frames: Vec<String>,
     /// Command of the C compiler that makes the binary for this computer
     #[arg(long, default_value = "cc", value_name = "COMMAND")]
     compiler: String,
@@ -37,7 +41,8 @@ pub(super) struct FmuArguments {
 
 /// Writes the FMU: a line about it.
 pub(super) fn run(arguments: &FmuArguments) -> Result<String, CommandFailure> {
-    let (model, laws) = arguments.subject.read()?;
+    let (mut model, laws) = arguments.subject.read()?;
+    keep_frames(&mut model, &arguments.frames)?;
     let formulation = match &arguments.formulation {
         Some(name) => crate::command::generation::formulation(name),
         None => fewest(&model, FunctionKind::Accelred, &Options::default()),
@@ -69,6 +74,22 @@ pub(super) fn run(arguments: &FmuArguments) -> Result<String, CommandFailure> {
         counted(parameters, "parameter"),
         counted(outputs, "output"),
     ))
+}
+
+/// Leaves only frames of some names in a model.
+fn keep_frames(model: &mut Model, names: &[String]) -> Result<(), CommandFailure> {
+    let known = || model.frames.iter().map(|frame| frame.name.as_str());
+    let missing = names
+        .iter()
+        .find(|name| !known().any(|known| known == *name));
+    if let Some(name) = missing {
+        let near = did_you_mean(name, known());
+        let notes = near.map(|near| format!("did you mean '{near}'?"));
+        let error = format!("the model has no link '{}'", clip(name));
+        return Err(CommandFailure::advised(error, notes.into_iter().collect()));
+    }
+    model.frames.retain(|frame| names.contains(&frame.name));
+    Ok(())
 }
 
 /// Folder and extension of binaries for this computer, as FMI names them.

@@ -100,7 +100,9 @@ fn attributes(slot: usize, variable: &FmuVariable) -> String {
         }
         VariableRole::State => ("causality=\"output\" initial=\"exact\"", Some(start)),
         VariableRole::Guess => ("causality=\"output\" initial=\"approx\"", Some(start)),
-        VariableRole::Output | VariableRole::Hidden => ("causality=\"output\"", None),
+        VariableRole::Output | VariableRole::Sensed | VariableRole::Hidden => {
+            ("causality=\"output\"", None)
+        }
     };
     let mut text = format!(
         "name=\"{}\" valueReference=\"{slot}\" {kind} unit=\"{}\"",
@@ -129,7 +131,12 @@ fn structure(text: &mut String, plan: &FmuPlan, variables: &FmuVariables<'_>) {
             .zip(0..)
             .map(|(variable, slot)| (variable.role, slot))
     };
-    let computed = |role| matches!(role, VariableRole::Guess | VariableRole::Output);
+    let computed = |role| {
+        matches!(
+            role,
+            VariableRole::Guess | VariableRole::Output | VariableRole::Sensed
+        )
+    };
     for (role, slot) in roles() {
         if computed(role) || role == VariableRole::State {
             list("Output", slot);

@@ -125,6 +125,8 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference
         const fmi3Status status = strchr("ipt", kinds[variables[k]]) ? fmi3OK : evaluated(s);
         if (status != fmi3OK)
             return status;
+        if (kinds[variables[k]] == 'f' && s->n.frames_changed)
+            sense_frames(&s->n, 0);
         values[k] = s->n.x[variables[k]];
     }
     return fmi3OK;

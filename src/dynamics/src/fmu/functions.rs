@@ -10,6 +10,7 @@ use robovec_framework::rewrite::without_dead;
 use robovec_ir::{
     Assignment, Function, Input, Machine, Module, Node, Operand, OperandKind, Output, Shape, View,
 };
+use robovec_model::Model;
 use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
 
@@ -22,8 +23,22 @@ struct StepPart {
     outputs: &'static [&'static str],
 }
 
-/// Number of kinds.
+/// Number of the kinds that a step consists of; those of sensed frames follow.
 pub(super) const KINDS: usize = PARTS.len();
+
+/// What is sensed of a frame, of sensors and of links by name.
+const SENSED: [StepPart; 2] = [
+    StepPart {
+        name: "sensor",
+        function: FunctionKind::Sensor,
+        outputs: &["sens.P", "sens.R", "sens.V", "sens.OM"],
+    },
+    StepPart {
+        name: "frame",
+        function: FunctionKind::Frame,
+        outputs: &["position", "rotation", "velocity", "angular_velocity"],
+    },
+];
 
 const PARTS: [StepPart; 7] = [
     StepPart {
@@ -84,7 +99,7 @@ const RESULTS: &str = "results";
 /// Passes over a function, and over its derivative.
 const SHORTEN: &str = "$cpu";
 
-/// The functions of a model's steps.
+/// The functions of a model's steps, and of its sensed frames.
 pub(super) fn functions(
     variables: &mut FmuVariables<'_>,
     formulation: Formulation,
@@ -98,78 +113,116 @@ pub(super) fn functions(
             FunctionKind::Accelred => true,
             _ => !model.cuts.is_empty(),
         };
-        if !is_there {
-            continue;
+        if is_there {
+            let module = generated(model, part.function, formulation)?;
+            add(&mut functions, variables, part, (module, 0), kind)?;
         }
-        let (module, places) = equations(variables, part, formulation)?;
-        let along = directions(&module);
-        for (is_along, passes) in [(false, Some(SHORTEN.to_owned())), (true, along)] {
-            let Some(passes) = passes else { continue };
-            let mut made = module.clone();
-            run(&mut made, &passes)?;
-            let name = match is_along {
-                true => format!("{}_along", part.name),
-                false => part.name.to_owned(),
-            };
-            let place = |set: &Assignment| NumberPlace {
-                along: is_along,
-                ..places[set.output.index()]
-            };
-            let to = made.functions[0].assignments.iter().map(place).collect();
-            functions.push(FmuFunction {
+    }
+    let counts = [model.sensors.len(), model.frames.len()];
+    let mut kind = KINDS;
+    for (part, count) in SENSED.iter().zip(counts).filter(|(_, count)| *count > 0) {
+        let module = generated(model, part.function, formulation)?;
+        for case in 0..count {
+            add(
+                &mut functions,
+                variables,
+                part,
+                (module.clone(), case),
                 kind,
-                along: is_along,
-                ..flat(&mut made, variables, &name, to)?
-            });
+            )?;
+            kind += 1;
         }
     }
     Ok(functions)
 }
 
-/// A function with the outputs of a part alone, as one vector, and their places.
-fn equations(
-    variables: &FmuVariables<'_>,
-    part: &StepPart,
+fn generated(
+    model: &Model,
+    function: FunctionKind,
     formulation: Formulation,
-) -> Result<(Module, Vec<NumberPlace>), FmuError> {
+) -> Result<Module, FmuError> {
     let request = GenerationRequest {
-        function: part.function,
+        function,
         formulation,
         options: Options::default(),
     };
-    let mut module = generate(variables.model, &request)?;
-    let old = module
-        .functions
-        .pop()
-        .expect("the generator gives a function");
-    let mut places = Vec::new();
-    let mut assignments = Vec::new();
-    for set in &old.assignments {
-        let (array, indices, rank) = old.output_element(set.output);
-        let name = module.tables.symbols.text(array.name);
-        let word = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
-        // Numbers that are no arrays are arguments of user functions.
-        if rank > 0 && part.outputs.contains(&word) {
-            let output = Output(places.len() as u32);
-            places.push(variables.output(word, name, &indices[..rank]));
-            assignments.push(Assignment { output, ..*set });
+    Ok(generate(model, &request)?)
+}
+
+/// Adds one of the functions of a module, and its derivative along a direction.
+fn add(
+    functions: &mut Vec<FmuFunction>,
+    variables: &mut FmuVariables<'_>,
+    part: &StepPart,
+    (module, case): (Module, usize),
+    kind: usize,
+) -> Result<(), FmuError> {
+    let frame = kind.saturating_sub(KINDS) as u32;
+    let (module, places) = part.equations(variables, module, case, frame);
+    let along = directions(&module);
+    for (is_along, passes) in [(false, Some(SHORTEN.to_owned())), (true, along)] {
+        let Some(passes) = passes else { continue };
+        let mut made = module.clone();
+        run(&mut made, &passes)?;
+        let name = match is_along {
+            true => format!("{}_{kind}_along", part.name),
+            false => format!("{}_{kind}", part.name),
+        };
+        let place = |set: &Assignment| NumberPlace {
+            along: is_along,
+            ..places[set.output.index()]
+        };
+        let to = made.functions[0].assignments.iter().map(place).collect();
+        functions.push(FmuFunction {
+            kind,
+            along: is_along,
+            ..flat(&mut made, variables, &name, to)?
+        });
+    }
+    Ok(())
+}
+
+impl StepPart {
+    /// One of the functions of a module with the outputs of the part alone, as one
+    /// vector, and their places. `frame` is the number of a sensed frame, from 0.
+    fn equations(
+        &self,
+        variables: &FmuVariables<'_>,
+        mut module: Module,
+        case: usize,
+        frame: u32,
+    ) -> (Module, Vec<NumberPlace>) {
+        let old = module.functions.swap_remove(case);
+        module.functions.clear();
+        let mut places = Vec::new();
+        let mut assignments = Vec::new();
+        for set in &old.assignments {
+            let (array, indices, rank) = old.output_element(set.output);
+            let name = module.tables.symbols.text(array.name);
+            let word = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
+            // Numbers that are no arrays are arguments of user functions.
+            if rank > 0 && self.outputs.contains(&word) {
+                let output = Output(places.len() as u32);
+                places.push(variables.output(word, (name, frame), &indices[..rank]));
+                assignments.push(Assignment { output, ..*set });
+            }
         }
+        let mut function = Function::new(&old.name, old.level);
+        for &number in old.constants() {
+            function.constant(number);
+        }
+        for array in old.inputs() {
+            function.add_input(array.name, array.shape);
+        }
+        for node in old.nodes() {
+            function.push(*node);
+        }
+        let results = module.tables.symbols.intern(RESULTS);
+        function.add_output(results, Shape::Vector(places.len() as u32));
+        function.assignments = assignments;
+        module.functions.push(without_dead(function));
+        (module, places)
     }
-    let mut function = Function::new(&old.name, old.level);
-    for &number in old.constants() {
-        function.constant(number);
-    }
-    for array in old.inputs() {
-        function.add_input(array.name, array.shape);
-    }
-    for node in old.nodes() {
-        function.push(*node);
-    }
-    let results = module.tables.symbols.intern(RESULTS);
-    function.add_output(results, Shape::Vector(places.len() as u32));
-    function.assignments = assignments;
-    module.functions.push(without_dead(function));
-    Ok((module, places))
 }
 
 /// The passes that give the derivative along all inputs that move; `None` where

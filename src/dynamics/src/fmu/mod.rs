@@ -8,6 +8,8 @@
 //! same functions differentiated along a direction; at closed loops the
 //! derivative of a round of Newton's method is that of the closed positions.
 //!
+//! Sensors and named frames are outputs that are computed when they are read.
+//!
 //! All numbers of variables are in one array, whose places are the value
 //! references; a generated function has a table of the places of its inputs and
 //! results.
@@ -26,7 +28,7 @@ use robovec_cgen::kind::file_stem;
 use robovec_model::{Model, Nature};
 use thiserror::Error;
 use variables::FmuVariables;
-use variables::VariableRole::{Guess, Input, Output, Parameter, State};
+use variables::VariableRole::{Guess, Input, Output, Parameter, Sensed, State};
 
 /// Reason why an FMU cannot be made.
 #[derive(Clone, PartialEq, Debug, Error)]
@@ -129,7 +131,7 @@ impl Fmu {
                 count(State),
                 count(Input),
                 count(Parameter),
-                count(State) + count(Guess) + count(Output),
+                count(State) + count(Guess) + count(Output) + count(Sensed),
             ],
             files: vec![
                 ("modelDescription.xml".to_owned(), description),

@@ -8,8 +8,8 @@ typedef struct {
     double in[INPUTS + 1];
     /* Length of the next step, tolerance of a step. */
     double step, tolerance;
-    /* What has to be computed again: parameters of functions, variables. */
-    int parameters_changed, changed;
+    /* What has to be computed again: parameters of functions, variables, frames. */
+    int parameters_changed, changed, frames_changed;
     /* Sides on which the watched quantities are. */
     double watched[EVENTS + 1];
 } Numbers;
@@ -47,7 +47,7 @@ static void call(Numbers *n, int along, int kind)
 static void set_parameters(Numbers *n)
 {
     for (int along = 0; along < 2; along++)
-        for (int kind = 0; kind < KINDS; kind++) {
+        for (int kind = 0; kind < KINDS + FRAMES; kind++) {
             const Function *f = &functions[along][kind];
             for (unsigned k = f->moving; k < f->inputs; k++)
                 n->in[f->place + k] = n->x[f->from[k]];
@@ -126,7 +126,16 @@ static int evaluate(Instance *s)
         if (!isfinite(n->x[AT_QDD + joint]))
             return fail(s, "at %.17g s the acceleration of the joint '%s' is not finite", n->x[AT_TIME], joints[joint]);
     n->changed = 0;
+    n->frames_changed = 1;
     return 1;
+}
+
+static void sense_frames(Numbers *n, int along)
+{
+    for (int kind = KINDS; kind < KINDS + FRAMES; kind++)
+        call(n, along, kind);
+    if (!along)
+        n->frames_changed = 0;
 }
 
 /* Computes the derivatives of all variables along a direction of states and
@@ -140,6 +149,7 @@ static void along_direction(Numbers *n)
 #endif
     loads(n, 1);
     call(n, 1, ACCELERATIONS);
+    sense_frames(n, 1);
 }
 
 static double watch(const Numbers *n, unsigned event) { return n->x[events[event].slot] - events[event].value; }

@@ -37,6 +37,7 @@ pub(super) fn source(
         ("DEPENDENT", plan.dependent.len()),
         ("STATES", 2 * plan.independent.len()),
         ("EVENTS", plan.watched.len()),
+        ("FRAMES", model.sensors.len() + model.frames.len()),
         (
             "INPUTS",
             functions.iter().map(|function| function.from.len()).sum(),
@@ -59,7 +60,8 @@ pub(super) fn source(
     }
     text += "\n";
     tables(&mut text, plan, variables);
-    function_tables(&mut text, functions, slots as u32);
+    let kinds = KINDS + model.sensors.len() + model.frames.len();
+    function_tables(&mut text, functions, kinds, slots as u32);
     text += include_str!("laws.c");
     text.push('\n');
     text += include_str!("motion.c");
@@ -142,9 +144,9 @@ fn tables(text: &mut String, plan: &FmuPlan, variables: &FmuVariables<'_>) {
 }
 
 /// The functions, from values to values and along a direction.
-fn function_tables(text: &mut String, functions: &[FmuFunction], slots: u32) {
+fn function_tables(text: &mut String, functions: &[FmuFunction], kinds: usize, slots: u32) {
     let slot = |place: &NumberPlace| place.slot + if place.along { slots } else { 0 };
-    let mut entries = vec!["{NULL, NULL, NULL, 0, 0, 0, 0}".to_owned(); 2 * KINDS];
+    let mut entries = vec!["{NULL, NULL, NULL, 0, 0, 0, 0}".to_owned(); 2 * kinds];
     let mut place = 0;
     for function in functions {
         let name = &function.name;
@@ -159,12 +161,12 @@ fn function_tables(text: &mut String, functions: &[FmuFunction], slots: u32) {
             function.to.iter().map(slot),
         );
         let (moving, inputs, results) = (function.moving, function.from.len(), function.to.len());
-        entries[KINDS * usize::from(function.along) + function.kind] =
+        entries[kinds * usize::from(function.along) + function.kind] =
             format!("{{{name}, {name}_from, {name}_to, {moving}, {inputs}, {results}, {place}}}");
         place += inputs;
     }
-    text.push_str("static const Function functions[2][KINDS] = {\n");
-    for entry in entries.chunks(KINDS) {
+    text.push_str("static const Function functions[2][KINDS + FRAMES] = {\n");
+    for entry in entries.chunks(kinds) {
         line(text, format_args!("    {{{}}},", entry.join(",\n     ")));
     }
     text.push_str("};\n\n");

@@ -25,6 +25,8 @@ pub(super) enum VariableRole {
     Guess,
     /// Computed.
     Output,
+    /// Computed when it is read.
+    Sensed,
     /// Not part of the interface.
     Hidden,
 }
@@ -39,6 +41,7 @@ impl VariableRole {
             VariableRole::State => 's',
             VariableRole::Guess => 'g',
             VariableRole::Output => 'o',
+            VariableRole::Sensed => 'f',
             VariableRole::Hidden => '-',
         }
     }
@@ -206,6 +209,21 @@ impl<'m> FmuVariables<'m> {
                 );
             }
         }
+        self.begin("AT_SENSED");
+        let sensors = model.sensors.iter().map(|sensor| &sensor.name);
+        for name in sensors.chain(model.frames.iter().map(|frame| &frame.name)) {
+            let name = quoted(name);
+            for (word, unit) in [("place", "m"), ("velocity", "m/s"), ("spin", "rad/s")] {
+                self.vector(&format!("{word}.{name}"), VariableRole::Sensed, unit);
+            }
+            for axis in AXES {
+                self.vector(
+                    &format!("rotation.{name}.{axis}"),
+                    VariableRole::Sensed,
+                    "1",
+                );
+            }
+        }
         self.begin("AT_GAPS");
         for _ in &model.forces {
             self.add("", VariableRole::Hidden, "m", 0.0);
@@ -305,12 +323,17 @@ impl<'m> FmuVariables<'m> {
     }
 
     /// Place of an output of a generated function. `word` is the name of the
-    /// array without the number at its end.
+    /// array without the number at its end, `frame` the number of a sensed frame.
     ///
     /// # Panics
     ///
     /// Panics for an array that is no part of a step.
-    pub(super) fn output(&self, word: &str, array: &str, indices: &[u32]) -> NumberPlace {
+    pub(super) fn output(
+        &self,
+        word: &str,
+        (array, frame): (&str, u32),
+        indices: &[u32],
+    ) -> NumberPlace {
         let number = array[word.len()..]
             .parse::<u32>()
             .map_or(0, |number| number - 1);
@@ -328,6 +351,12 @@ impl<'m> FmuVariables<'m> {
             "VxF" => ("AT_VELOCITIES", 3 * number + index(0)),
             "OMxF" => ("AT_SPINS", 3 * number + index(0)),
             "RxF" => ("AT_AXES", 9 * number + 3 * index(0) + index(1)),
+            "sens.P" | "position" => ("AT_SENSED", 18 * frame + index(0)),
+            "sens.V" | "velocity" => ("AT_SENSED", 18 * frame + 3 + index(0)),
+            "sens.OM" | "angular_velocity" => ("AT_SENSED", 18 * frame + 6 + index(0)),
+            "rotation" => ("AT_SENSED", 18 * frame + 9 + 3 * index(0) + index(1)),
+            // Robotran's rotation is that into the frame.
+            "sens.R" => ("AT_SENSED", 18 * frame + 9 + 3 * index(1) + index(0)),
             _ => unreachable!("'{array}' is no output of a step"),
         };
         NumberPlace {
