@@ -298,16 +298,7 @@ impl PythonProgram {
         };
         let outcome = manager::run(&mut module, &pipeline, config).map_err(plain)?;
         let mut records = self.passes.clone();
-        records.extend(outcome.records.iter().map(|record| PassRunRecord {
-            function: record.function.clone(),
-            name: record.name.clone(),
-            cpu_s: record.cpu_s,
-            peak_mb: (record.peak_mb > 0.0).then_some(record.peak_mb),
-            operations: record.operations as usize,
-            asap_cycle: record.asap_cycle,
-            verdict: record.check.clone(),
-            rounding: record.rounding.clone(),
-        }));
+        records.extend(PassRunRecord::of(&outcome));
         let files = outcome.artifacts.into_iter();
         let files = files.map(|file| (file.name, file.text));
         Ok((module, records, files.collect()))

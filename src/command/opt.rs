@@ -522,22 +522,6 @@ fn located(
     CommandFailure(report)
 }
 
-/// Records of passes for reports.
-pub(super) fn pass_records(outcome: &RunOutcome) -> Vec<report::PassRunRecord> {
-    let records = outcome.records.iter();
-    let records = records.map(|record| report::PassRunRecord {
-        function: record.function.clone(),
-        name: record.name.clone(),
-        cpu_s: record.cpu_s,
-        peak_mb: (record.peak_mb > 0.0).then_some(record.peak_mb),
-        operations: record.operations as usize,
-        asap_cycle: record.asap_cycle,
-        verdict: record.check.clone(),
-        rounding: record.rounding.clone(),
-    });
-    records.collect()
-}
-
 /// Writes the report to its file; returns it instead when it is for the
 /// standard error.
 fn write_report(
@@ -546,7 +530,7 @@ fn write_report(
     machine: &Machine,
     options: &report::ReportOptions,
 ) -> Result<String, CommandFailure> {
-    let records = pass_records(outcome);
+    let records = report::PassRunRecord::of(outcome);
     let report = report::ModuleReport::collect(module, machine, &records, options);
     if path == Path::new("-") {
         return Ok(report.to_text());

@@ -2,7 +2,7 @@
 
 use super::arguments::InputLanguage;
 use super::flags::{SEED, whole};
-use super::opt::{pass_records, select};
+use super::opt::select;
 use super::{CommandFailure, input, output, rules};
 use clap::Args;
 use robovec_framework::manager::{self, Config};
@@ -105,7 +105,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
     let viewed = ViewedRun {
         module: &read.module,
         trail: &trail,
-        passes: &pass_records(&outcome),
+        passes: &PassRunRecord::of(&outcome),
         machine: &machine,
         states: &states,
         files: &files,

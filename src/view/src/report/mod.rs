@@ -20,6 +20,7 @@ use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::RoundingErrors;
 use robovec_error::errors::Heat;
 use robovec_framework::check::CheckVerdict;
+use robovec_framework::manager::RunOutcome;
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
@@ -50,6 +51,24 @@ pub struct PassRunRecord {
     /// Rounding errors in binary32 before and after the pass; absent when
     /// they were not measured.
     pub rounding: Option<[Arc<RoundingErrors>; 2]>,
+}
+
+impl PassRunRecord {
+    /// The records of all passes of a run.
+    pub fn of(outcome: &RunOutcome) -> Vec<PassRunRecord> {
+        let records = outcome.records.iter();
+        let records = records.map(|record| PassRunRecord {
+            function: record.function.clone(),
+            name: record.name.clone(),
+            cpu_s: record.cpu_s,
+            peak_mb: (record.peak_mb > 0.0).then_some(record.peak_mb),
+            operations: record.operations as usize,
+            asap_cycle: record.asap_cycle,
+            verdict: record.check.clone(),
+            rounding: record.rounding.clone(),
+        });
+        records.collect()
+    }
 }
 
 /// Measurements of a report.
