@@ -3,15 +3,16 @@
     >>> import robovec
     >>> arm = robovec.load("arm.urdf", function="invdyna_d", numbers=True)
     >>> fast = arm.run("$cpu")
-    >>> fast(q=[0.1, 0.2, 0.3], qd=[0, 0, 0], qdd=[0, 0, 0])["Qq_q"]
+    >>> fast(q={"elbow": 0.3}, qd={}, qdd={})["Qq_q"]
 
 Arrays count from 0, as everywhere in NumPy: ``M[0, 0]`` is Robotran's
-``M[1][1]``. Units are those of the model (SI). Elements that a function does
-not set are zero.
+``M[1][1]``; ``index`` and ``labels`` translate names of joints. Units are those
+of the model (SI). Elements that a function does not set are zero.
 """
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 import warnings
@@ -56,6 +57,8 @@ def load(
 
     Raises ``Error`` with the place and the remedy when something is wrong, and
     warns of what is left out.
+
+        >>> hand = robovec.load("arm.urdf", "frame_hand", numbers=True)
     """
     other = None if model is None else os.fspath(model)
     if not 0 <= right_angles <= 0.1:
@@ -75,7 +78,11 @@ def load(
 
 
 def parse(text: str, function: str | None = None) -> Program:
-    """Reads robovec's own text."""
+    """Reads robovec's own text, as ``str(program)`` writes it.
+
+        >>> robovec.parse(str(arm)).name
+        'invdyna_d'
+    """
     return Program(_robovec.Program.parse(text, function))
 
 
@@ -169,8 +176,60 @@ class Program:
 
     @property
     def name(self) -> str:
-        """The name of the function."""
+        """The name of the function, as ``invdyna``."""
         return self._inner.name
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints in the order of ``q``; none without a model.
+
+            >>> robovec.load("arm.urdf").joints
+            ('joint_1', 'joint_2', 'joint_3')
+        """
+        return tuple(self._inner.joints)
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """Names of the model's frames: ``load(path, "frame_NAME")`` gives the
+        pose, motion and Jacobian of one."""
+        return tuple(self._inner.frames)
+
+    def labels(self, array: str) -> tuple[tuple[str, ...] | None, ...]:
+        """Names along every axis of an array: of joints, or for ``m``, ``l``,
+        ``In``, ``frc`` and ``trq`` of bodies; ``None`` for an axis without names.
+
+            >>> arm.labels("jacobian")
+            (None, ('joint_1', 'joint_2', 'joint_3'))
+        """
+        shape = {**self.inputs, **self.outputs}.get(array)
+        if shape is None:
+            known = ", ".join([*self.inputs, *self.outputs])
+            raise Error(f"{self.name} has no array '{array}'; there are: {known}")
+        named = self._inner.labels(array)
+        return tuple(names and tuple(names[:extent]) for names, extent in zip(named, shape))
+
+    def index(self, array: str, *names: str) -> Any:
+        """The NumPy index of named joints or bodies: a number in a vector, else
+        one index for each axis. An axis without a given name is taken whole.
+
+            >>> M[arm.index("M", "shoulder", "elbow")], q[arm.index("q", "elbow")]
+        """
+        left = list(names)
+        found = [
+            slice(None) if known is None or not left else self._place(array, known, left.pop(0))
+            for known in self.labels(array)
+        ]
+        if left or not names:
+            raise Error(f"'{array}' of {self.name} takes fewer names, and at least one")
+        return found[0] if len(found) == 1 else tuple(found)
+
+    @staticmethod
+    def _place(array: str, known: Sequence[str], name: str) -> int:
+        if name and name in known:
+            return known.index(name)
+        near = difflib.get_close_matches(str(name), known, 1)
+        advice = f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(filter(None, known))}"
+        raise Error(f"'{array}' has no element '{name}'; {advice}")
 
     @property
     def operations(self) -> int:
@@ -190,6 +249,8 @@ class Program:
 
         ``check`` compares it before and after every pass at so many points
         (``True``: 4) and raises ``Error`` when a pass changed the function.
+
+            >>> fast = arm.run("$cpu", check=True)
         """
         points = 4 if check is True else _gate.whole("check", check) or None
         return Program(self._inner.run(passes, machine, points))
@@ -208,6 +269,8 @@ class Program:
         ``result`` is ``jacobian``, ``direction`` (the Jacobian times an input
         ``q_direction``) or ``gradient`` (the transposed Jacobian times an input
         ``Qq_weight``); without ``values`` the outputs themselves are left out.
+
+            >>> arm.differentiate("Qq", ["q", "qd"]).outputs
         """
         names = by if isinstance(by, str) else "+".join(by)
         options = f"of={of} by={names} result={result} values={str(values).lower()}"
@@ -216,17 +279,23 @@ class Program:
         return self.run(f"atomise,differentiate{{{options}}},fold,cse,dce")
 
     def report(self, machine: str = "thesis") -> dict[str, Any]:
-        """Operations, path, schedule, errors: the report of the command line."""
+        """Operations, path, schedule, errors: the report of the command line.
+
+            >>> arm.run("$shorten,place").report()["schedule"]["cycles"]
+        """
         return json.loads(self._inner.report(machine))["functions"][0]
 
     def parameters(self) -> dict[str, np.ndarray]:
-        """The arrays for which the model has numbers."""
-        found = {}
-        for name, shape in self.inputs.items():
-            numbers = self._inner.parameters(name)
-            if numbers is not None:
-                found[name] = np.array(numbers).reshape(shape)
-        return found
+        """The arrays for which the model has numbers.
+
+            >>> arm.parameters()["m"]
+        """
+        found = {name: self._parameter(name) for name in self.inputs}
+        return {name: array for name, array in found.items() if array is not None}
+
+    def _parameter(self, name: str) -> np.ndarray | None:
+        numbers = self._inner.parameters(name)
+        return None if numbers is None else np.array(numbers).reshape(self.inputs[name])
 
     def __call__(
         self,
@@ -239,10 +308,15 @@ class Program:
 
         Arrays that are left out are the model's parameters; what the model
         does not know either is an error. An array without the first axis is
-        the same for all states. ``number`` is what is computed with (``f32``,
+        the same for all states. A dictionary gives elements by the names of
+        joints or bodies (``labels``); the others are the model's, or zero.
+        ``number`` is what is computed with (``f32``,
         ``float(8,17)``, ``fixed(12,19)``, …) and ``threads`` how many threads
         share the states (0: as many as there are processors; 1024 at most). Results are those
         of ``robovec eval``, bit for bit, in 64-bit floats.
+
+            >>> arm(q={"elbow": [0.1, 0.2]}, qd={}, qdd={})["Qq"].shape
+            (2, 7)
         """
         given, states = self._states(arrays)
         count = 1 if states is None else states
@@ -279,6 +353,8 @@ class Program:
 
         ``passes`` run before, as ``$cpu``. ``folder`` keeps the C files and the
         library; without it they are removed with the object.
+
+            >>> arm.compile(passes="$cpu")(q=many, qd=many, qdd=many)
         """
         if number not in ("double", "float"):
             raise Error(f"number is 'double' or 'float', not {number!r}")
@@ -289,7 +365,10 @@ class Program:
         return compile_files(self, files, number, compiler, flags, folder)
 
     def plot_schedule(self, axes: Any = None) -> Any:
-        """The schedule of a placed program: elements over cycles (matplotlib)."""
+        """The schedule of a placed program: elements over cycles (matplotlib).
+
+            >>> arm.run("$shorten,place").plot_schedule()
+        """
         import matplotlib.pyplot as plt
 
         found = self._inner.schedule()
@@ -309,6 +388,29 @@ class Program:
     def _width(arrays: Mapping[str, tuple[int, ...]]) -> int:
         return sum(int(np.prod(shape, dtype=int)) for shape in arrays.values())
 
+    def _by_names(self, name: str, others: np.ndarray, values: Mapping[str, Any]) -> np.ndarray:
+        """An input whose elements are given by names, with or without states."""
+        labels = self.labels(name)
+        axis = next((axis for axis, names in enumerate(labels) if names), None)
+        if axis is None:
+            raise Error(f"the elements of '{name}' have no names: give an array")
+        rest = others.shape[:axis] + others.shape[axis + 1 :]
+        parts = {
+            self._place(name, labels[axis], key): _gate.numbers(f"{name}[{key}]", value)
+            for key, value in values.items()
+        }
+        states = {part.shape[: part.ndim - len(rest)] for part in parts.values()} - {()}
+        is_wrong = any(part.shape[part.ndim - len(rest) :] != rest for part in parts.values())
+        if is_wrong or len(states) > 1 or any(len(count) > 1 for count in states):
+            raise Error(
+                f"elements of '{name}' have the shape {rest}, or (states, …) before it, with the "
+                "same number of states"
+            )
+        array = np.tile(others, (*(states.pop() if states else ()), *[1] * others.ndim))
+        for place, part in parts.items():
+            array[(..., place, *[slice(None)] * (len(labels) - 1 - axis))] = part
+        return array
+
     def _states(self, arrays: Mapping[str, Any]) -> tuple[list[np.ndarray], int | None]:
         """The inputs in order, and how many states they are; ``None`` for a
         single one without a first axis."""
@@ -319,13 +421,15 @@ class Program:
         given: list[np.ndarray] = []
         states: int | None = None
         for name, shape in self.inputs.items():
-            if name in arrays:
+            known = self._parameter(name)
+            if isinstance(arrays.get(name), Mapping):
+                array = self._by_names(name, np.zeros(shape) if known is None else known, arrays[name])
+            elif name in arrays:
                 array = _gate.numbers(name, arrays[name])
+            elif known is None:
+                raise Error(f"{self.name} needs the input '{name}' of shape {shape}")
             else:
-                numbers = self._inner.parameters(name)
-                if numbers is None:
-                    raise Error(f"{self.name} needs the input '{name}' of shape {shape}")
-                array = np.array(numbers).reshape(shape)
+                array = known
             if array.shape[1:] == shape and array.ndim == len(shape) + 1:
                 if len(array) == 0:
                     raise Error(f"'{name}' has no states")

@@ -5,7 +5,8 @@ use crate::values;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use robovec::generate::{
-    Formulation, GenerationRequest, ParameterBinding, fewest, generate_asked, with_jacobians,
+    Formulation, GenerationRequest, ParameterBinding, case_name, fewest, generate_asked,
+    index_names, with_jacobians,
 };
 use robovec::kinematics::parameter;
 use robovec::model::Model;
@@ -176,6 +177,33 @@ impl PythonProgram {
         self.described(self.function().outputs())
     }
 
+    /// Names of the joints in the order of `q`; none without a model.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        let joints = self.model.iter().flat_map(|model| &model.joints);
+        joints.map(|joint| joint.name.clone()).collect()
+    }
+
+    /// Names of the frames that functions `frame_NAME` are about.
+    #[getter]
+    fn frames(&self) -> Vec<String> {
+        let frames = self.model.iter().flat_map(|model| &model.frames);
+        frames.map(|frame| frame.name.clone()).collect()
+    }
+
+    /// Names along the two axes of an array of the model; `None` for an axis
+    /// without names.
+    fn labels(&self, array: &str) -> [Option<Vec<String>>; 2] {
+        let Some(model) = &self.model else {
+            return [None, None];
+        };
+        let symbols = &self.module.tables.symbols;
+        let mut inputs = self.function().inputs().iter();
+        let quaternion = inputs.any(|input| symbols.text(input.name) == "quat");
+        index_names(model, array, quaternion)
+            .map(|names| names.map(|names| names.into_iter().map(str::to_owned).collect()))
+    }
+
     /// Operations: everything but sines, cosines and copies.
     #[getter]
     fn operations(&self) -> usize {
@@ -338,12 +366,12 @@ fn generated(path: &Path, function: &str, options: &ModelOptions) -> PyResult<Py
     };
     let module = module.map_err(plain)?;
     // The name of a kind stands for all its cases, `sensor` for `sensor_1`.
-    let is_case = function != kind.name();
+    let case = (function != kind.name()).then(|| case_name(&read.model, function));
     let remarks = read.warnings_for(kind).render_plain();
     let model = Arc::new(read.model);
     Ok(PythonProgram {
         remarks,
-        ..single(module, is_case.then_some(function), Some(model))?
+        ..single(module, case.as_deref(), Some(model))?
     })
 }
 

@@ -87,6 +87,68 @@ class Reading(unittest.TestCase):
                         robovec.load(model, kind)
 
 
+class Names(unittest.TestCase):
+    """Names of joints, bodies and frames in place of their numbers."""
+
+    def test_elements_are_given_and_found_by_names(self):
+        arm = robovec.load(ARM, "invdyna", numbers=False)
+        last = arm.joints[-1]
+        self.assertEqual((len(arm.joints), arm.index("q", last)), (7, 6))
+        self.assertEqual(arm.labels("Qq"), (arm.joints,))
+        self.assertEqual(arm.labels("frc")[0], None)
+        self.assertEqual(arm.labels("dpt"), (None, None))
+        body = arm.labels("m")[0][2]
+        load = {body: [1.0, 2.0, 3.0]}
+        found = arm(q={last: 0.3}, qd={}, qdd={}, m={body: 2.0}, frc=load, trq={})
+        mass, force = arm.parameters()["m"], np.zeros((3, 7))
+        mass[2], force[:, 2] = 2.0, [1, 2, 3]
+        zero = np.zeros(7)
+        wanted = arm(q=0.3 * np.eye(7)[6], qd=zero, qdd=zero, m=mass, frc=force, trq=0 * force)
+        np.testing.assert_array_equal(found["Qq"], wanted["Qq"])
+        many = arm(q={last: [0.1, 0.3], arm.joints[0]: 0.0}, qd={}, qdd={}, m={body: 2.0}, frc=load, trq={})
+        np.testing.assert_array_equal(many["Qq"][1], wanted["Qq"])
+
+    def test_indices_are_those_of_numpy(self):
+        mass = robovec.load(ARM, "dirdyna", numbers=True, forces=False)
+        one, two = mass.joints[4], mass.joints[1]
+        self.assertEqual(mass.index("M", one, two), (4, 1))
+        self.assertEqual(mass.index("M", one), (4, slice(None)))
+        hand = robovec.load(ARM, "frame_hand", numbers=True)
+        self.assertIn("hand", hand.frames)
+        self.assertEqual(hand.index("jacobian", two), (slice(None), 1))
+        tau = robovec.load(ARM, "invdyna", numbers=True).differentiate("Qq", "q")
+        self.assertEqual(tau.index("Qq_q", two, one), (1, 4))
+        self.assertEqual(robovec.load(SUSPENSION).joints, ())
+
+    def test_a_case_is_loaded_by_the_name_of_its_body_joint_or_sensor(self):
+        bogie = robovec.load(BOGIE)
+        bodies = bogie.labels("m")[0]
+        place = next(place for place, body in enumerate(bodies) if body)
+        for name in [bodies[place], bogie.joints[place]]:
+            found = robovec.load(BOGIE, f"gensensor_{name}").name
+            self.assertEqual(found, f"gensensor_{place + 1}")
+
+    def test_wrong_names_are_refused_with_the_right_ones(self):
+        arm = robovec.load(ARM, "invdyna", numbers=True, forces=False)
+        first = arm.joints[0]
+        wrong = [
+            (lambda: arm(q={first[:-1] + "x": 1}, qd={}, qdd={}), f"did you mean '{first[:-1]}"),
+            (lambda: arm(q={"": 1}, qd={}, qdd={}), "no element ''"),
+            (lambda: arm(q={first: [[1.0]]}, qd={}, qdd={}), "same number of states"),
+            (lambda: arm(q={first: [1, 2], arm.joints[1]: [1]}, qd={}, qdd={}), "same number"),
+            (lambda: arm(q={first: 1j}, qd={}, qdd={}), "complex"),
+            (lambda: robovec.load(SUSPENSION)(q={first: 1}), "no names"),
+            (lambda: arm.index("q", first, first), "fewer names"),
+            (lambda: arm.index("q"), "at least one"),
+            (lambda: arm.labels("x"), "no array 'x'"),
+            (lambda: robovec.load(ARM, "frame_nowhere"), "frame_hand"),
+            (lambda: robovec.load(ARM, "gensensor_nowhere"), "gensensor_7"),
+        ]
+        for call, words in wrong:
+            with self.subTest(words), self.assertRaisesRegex(robovec.Error, words):
+                call()
+
+
 class Gate(unittest.TestCase):
     """What is refused at the gate is always an Error."""
 

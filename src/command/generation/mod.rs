@@ -11,8 +11,8 @@ use clap::{ArgGroup, Args};
 use files::{FileArguments, GenerationName, OutputLanguage, refuse_losses};
 use robovec_cgen::kind::Generation;
 use robovec_dynamics::generate::{
-    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, fewest, generate_into,
-    refuse_empty, with_jacobians_into,
+    Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, case_name, fewest,
+    generate_into, refuse_empty, with_jacobians_into,
 };
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
@@ -385,13 +385,15 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
         options.base_columns = base_parameters::find(&model, &options)?.columns();
     }
     let mut module = Module::new();
+    let names = arguments.function.iter();
+    let names: Vec<String> = names.map(|name| case_name(&model, name)).collect();
     let mut empty = Vec::new();
     for function in kinds {
         let formulation = arguments.formulation(&model, function, "recursive");
         let before = module.functions.len();
         let wanted = (function, formulation);
         add(&mut module, &model, wanted, &options, arguments.jacobians)?;
-        keep_cases(&mut module, before, function, &arguments.function)?;
+        keep_cases(&mut module, before, function, &names)?;
         if refuse_empty(&model, function, &module.functions[before..]).is_err() {
             empty.push(function);
         }

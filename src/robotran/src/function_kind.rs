@@ -188,11 +188,6 @@ impl FunctionKind {
     /// [`FunctionKind::from_name`], and `sensor_3` is the third result of
     /// `sensor`, `frame_tool0` that of the frame `tool0`.
     pub fn with_name(name: &str) -> Option<FunctionKind> {
-        if name.starts_with("frame_") {
-            return Some(FunctionKind::Frame);
-        }
-        let bare = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        FunctionKind::from_name(name)
-            .or_else(|| FunctionKind::from_name(bare.trim_end_matches('_')))
+        FunctionKind::from_name(name).or_else(|| FunctionKind::from_name(name.split_once('_')?.0))
     }
 }

@@ -3,6 +3,7 @@
 //! their axis have the opposite sign.
 
 use super::algebra::Scalar;
+use robovec_model::Model;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum IndexMeaning {
@@ -20,14 +21,49 @@ fn meanings(array: &str) -> [IndexMeaning; 2] {
     match array {
         // The columns of a regressor are numbers of bodies.
         "Y" | "q" | "qd" | "qdd" | "Qq" | "Qa" | "Qc" | "c" => [Coordinate, Other],
-        "M" | "Minv" | "Qq_q" | "Qq_qd" | "qdd_q" | "qdd_qd" | "qdd_Qq" => [Coordinate, Coordinate],
+        "M" | "Minv" => [Coordinate, Coordinate],
         "Jac" | "Juserc" | "sens.J" | "jacobian" | "jacobian_rate" => [Other, Coordinate],
         "m" => [Body, Other],
         "l" | "In" | "frc" | "trq" => [Other, Body],
         // The Jacobians that laws of external forces are given.
         _ if array.starts_with("JxF") => [Other, Coordinate],
-        _ => [Other, Other],
+        // Derivatives, as `Qq_q`.
+        _ => match array.split_once('_') {
+            Some((of, "direction" | "weight" | "gradient")) => meanings(of),
+            Some((of, by)) => match [meanings(of), meanings(by)] {
+                [[Coordinate, Other], [Coordinate, Other]] => [Coordinate, Coordinate],
+                _ => [Other, Other],
+            },
+            None => [Other, Other],
+        },
     }
+}
+
+/// Names of the rows and of the columns of an array that belong to joints or to
+/// the bodies that they move, empty for a body without mass; `None` for others.
+pub fn index_names<'m>(
+    model: &'m Model,
+    array: &str,
+    quaternion: bool,
+) -> [Option<Vec<&'m str>>; 2] {
+    let joints = 0..model.joints.len();
+    meanings(array).map(|meaning| match meaning {
+        IndexMeaning::Other => None,
+        IndexMeaning::Body => {
+            let body = |joint| model.body_of(joint).map_or("", |body| body.name.as_str());
+            Some(joints.clone().map(body).collect())
+        }
+        IndexMeaning::Coordinate => {
+            let mut names: Vec<_> = joints
+                .clone()
+                .map(|joint| &*model.joints[joint].name)
+                .collect();
+            if let (true, Some(angles)) = (quaternion, names.get_mut(3..6)) {
+                angles.reverse();
+            }
+            Some(names)
+        }
+    })
 }
 
 /// The number of the joint of each frame, both from 1, and a flag: true when it

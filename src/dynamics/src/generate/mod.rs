@@ -64,6 +64,7 @@ pub use self::formulation::{Formulation, Requirements};
 use self::frames::ModelFrames;
 pub use self::hub::MomentOrigin;
 pub use self::jacobians::{with_jacobians, with_jacobians_into};
+pub use self::joint_arrays::index_names;
 use self::lower::Extents;
 pub use self::massless::massless;
 pub use self::network::PrefixNetwork;
@@ -397,6 +398,32 @@ pub fn generate(model: &Model, request: &GenerationRequest) -> Result<Module, Ge
     let mut module = Module::new();
     generate_into(&mut module, model, request)?;
     Ok(module)
+}
+
+/// The name of a function whose case was requested by a name of the model:
+/// `gensensor_7` for `gensensor_hand`, if joint 7 moves the body `hand` or has
+/// this name. Any other name stays.
+pub fn case_name(model: &Model, function: &str) -> String {
+    let (kind, case) = function.split_once('_').unwrap_or_default();
+    let place = match FunctionKind::from_name(kind) {
+        Some(FunctionKind::Gensensor) => {
+            let body = model.bodies.iter().position(|body| body.name == case);
+            let joint = model.joints.iter().position(|joint| joint.name == case);
+            body.map_or(joint, |body| model.last_joint(Some(body)))
+        }
+        Some(FunctionKind::Sensor) => {
+            let mut sensors = model.sensors.iter().chain(&model.forces);
+            sensors.position(|sensor| sensor.name == case)
+        }
+        Some(FunctionKind::Frame) => {
+            let named = model.frames.iter().position(|frame| frame.name == case);
+            return named.map_or(function.to_owned(), |frame| {
+                named_frame::function_name(model, frame)
+            });
+        }
+        _ => None,
+    };
+    place.map_or(function.to_owned(), |place| format!("{kind}_{}", place + 1))
 }
 
 /// Does as [`generate`], for a function that was requested by name.
