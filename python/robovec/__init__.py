@@ -40,6 +40,7 @@ def load(
     model: str | os.PathLike[str] | None = None,
     jacobians: bool = False,
     floating: bool = False,
+    quaternion: bool = False,
     right_angles: float = 0.0,
 ) -> Program:
     """Reads equations (Robotran's C, Matlab or Python, robovec's text) or makes
@@ -53,6 +54,8 @@ def load(
     own. ``formulation="fewest"`` takes the one with the fewest operations.
     ``floating`` and ``right_angles`` concern robots: a base that moves freely, and
     the angle, in rad, within which a fixed rotation is taken as a right angle.
+    ``quaternion`` describes a free base by a quaternion ``quat`` (x, y, z, w) and
+    its motion along its own axes.
     ``model`` names the model that gives a file of equations its parameters.
 
     Raises ``Error`` with the place and the remedy when something is wrong, and
@@ -69,6 +72,7 @@ def load(
         forces=forces,
         jacobians=jacobians,
         floating=floating,
+        quaternion=quaternion,
         right_angles=float(right_angles),
     )
     inner = _robovec.Program.load(os.fspath(path), function, options, other)
@@ -97,6 +101,7 @@ def casadi(
     numbers: bool = True,
     forces: bool = False,
     floating: bool = False,
+    quaternion: bool = False,
     right_angles: float = 1e-10,
     compiler: str = "cc",
     flags: Sequence[str] = _casadi.FLAGS,
@@ -122,8 +127,9 @@ def casadi(
             formulation=formulation,
             numbers=numbers,
             forces=forces,
-            jacobians=True,
+            jacobians=not quaternion,
             floating=floating,
+            quaternion=quaternion,
             right_angles=right_angles,
         )
     program = program.run(passes, check=True) if passes else program

@@ -32,6 +32,7 @@ pub(crate) struct ModelOptions {
     forces: bool,
     jacobians: bool,
     floating: bool,
+    quaternion: bool,
     right_angles: f64,
 }
 
@@ -351,6 +352,7 @@ fn generated(path: &Path, function: &str, options: &ModelOptions) -> PyResult<Py
         request.options.parameters = ParameterBinding::Numbers;
     }
     request.options.external_forces = options.forces;
+    request.options.quaternion = options.quaternion;
     request.formulation = match options.formulation.as_str() {
         "fewest" => fewest(&read.model, kind, &request.options),
         name => Formulation::from_name(name).ok_or_else(|| {

@@ -18,6 +18,7 @@ except ImportError:
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ARM = ROOT / "examples/robots/arm.urdf"
 QUADRUPED = ROOT / "examples/robots/quadruped.urdf"
+FOUR_BAR = ROOT / "examples/robots/four-bar.xml"
 BOGIE = ROOT / "examples/models/bogie.mbs"
 PROGRAM = os.environ.get("ROBOVEC", str(ROOT / "target/release/robovec"))
 SUSPENSION = ROOT / "examples/suspension/mbs_dirdyna_suspension.m"
@@ -127,6 +128,11 @@ class Names(unittest.TestCase):
         for name in [bodies[place], bogie.joints[place]]:
             found = robovec.load(BOGIE, f"gensensor_{name}").name
             self.assertEqual(found, f"gensensor_{place + 1}")
+
+    def test_the_axes_of_a_free_base_are_named_in_the_order_of_its_velocity(self):
+        free = robovec.load(QUADRUPED, "invdyna", floating=True, quaternion=True)
+        self.assertEqual(free.labels("qd")[0][3:6], ("base_roll", "base_pitch", "base_yaw"))
+        self.assertEqual(free.joints[3:6], ("base_yaw", "base_pitch", "base_roll"))
 
     def test_wrong_names_are_refused_with_the_right_ones(self):
         arm = robovec.load(ARM, "invdyna", numbers=True, forces=False)
@@ -371,6 +377,27 @@ class Casadi(unittest.TestCase):
         mass = robovec.load(ARM, "dirdyna", numbers=True, forces=False)
         mass = mass(q=self.state[0], qd=self.state[1])["M"]
         np.testing.assert_allclose(np.array(blocks[2]), mass, rtol=0, atol=1e-12)
+
+    def test_loops_and_quaternions_have_the_derivatives_of_differences(self):
+        free = dict(floating=True, quaternion=True)
+        for path, kind, options in [(FOUR_BAR, "accelred", {}), (QUADRUPED, "invdyna", free)]:
+            found = robovec.casadi(path, kind, derivatives="first", flags=["-O0"], **options)
+            plain = robovec.load(path, kind, numbers=True, forces=False, **options)
+            draw = np.random.default_rng(4)
+            given = {name: draw.uniform(-0.3, 0.3, plain.inputs[name]) for name in found.name_in()}
+            if "quat" in given:
+                given["quat"][3] = 1
+                given["quat"] /= np.linalg.norm(given["quat"])
+            output = found.name_out()[0]
+            value = np.array(found.call(list(given.values()))[0]).ravel()
+            np.testing.assert_allclose(value, plain(**given)[output], rtol=0, atol=1e-11)
+            blocks = found.jacobian().call([*given.values(), value])
+            for name, block in zip(given, blocks):
+                steps = 1e-5 * np.eye(len(given[name]))
+                moved = [plain(**{**given, name: given[name] + sign * steps})[output] for sign in (1, -1)]
+                slope = (moved[0] - moved[1]).T / 2e-5
+                scale = 1 + np.abs(slope).max()
+                np.testing.assert_allclose(np.array(block), slope, rtol=0, atol=1e-7 * scale, err_msg=name)
 
     def test_gradients_and_hessians_are_those_of_jacobians(self):
         x = [ca.MX.sym(name, 7) for name in ["q", "qd", "qdd"]]
