@@ -13,6 +13,7 @@ of the model (SI). Elements that a function does not set are zero.
 from __future__ import annotations
 
 import difflib
+import html
 import json
 import os
 import warnings
@@ -27,7 +28,7 @@ from ._robovec import Error, __version__
 if TYPE_CHECKING:
     import casadi as ca
 
-__all__ = ["Compiled", "Error", "Program", "accelerate", "casadi", "load", "parse", "__version__"]
+__all__ = ["Compiled", "Error", "Program", "View", "accelerate", "casadi", "load", "parse", "__version__"]
 
 
 def load(
@@ -370,6 +371,14 @@ class Program:
         files = self._inner.files(",".join(steps), "thesis")
         return compile_files(self, files, number, compiler, flags, folder)
 
+    def view(self, passes: str = "$shorten,place", *, machine: str = "thesis") -> View:
+        """The page of ``robovec view`` for a notebook: the passes side by side,
+        the origin of values, the longest path, the schedule and the errors.
+
+            >>> arm.view("$cpu")
+        """
+        return View(self._inner.page(passes, machine))
+
     def plot_schedule(self, axes: Any = None) -> Any:
         """The schedule of a placed program: elements over cycles (matplotlib).
 
@@ -447,3 +456,19 @@ class Program:
                 raise Error(f"'{name}' has the shape {array.shape} instead of {wanted}")
             given.append(array)
         return given, states
+
+
+class View:
+    """A page that notebooks show in a frame; ``page`` is its HTML.
+
+        >>> pathlib.Path("arm.html").write_text(arm.view().page)
+    """
+
+    def __init__(self, page: str) -> None:
+        self.page = page
+
+    def _repr_html_(self) -> str:
+        return (
+            f'<iframe srcdoc="{html.escape(self.page)}" title="robovec view" '
+            'sandbox="allow-scripts" style="width: 100%; height: 45em; border: 0"></iframe>'
+        )

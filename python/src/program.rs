@@ -14,10 +14,13 @@ use robovec::model::robot::{RobotBase, RobotReading};
 use robovec::report::{ModuleReport, PassRunRecord, ReadCounts, ReportOptions};
 use robovec::robotran::FunctionKind;
 use robovec::sources;
+use robovec::view::{ModelText, ViewedRun, place_lines};
 use robovec_framework::manager::{self, Config};
+use robovec_framework::trail::Trail;
 use robovec_ir::count::Counts;
 use robovec_ir::diagnostic::Report;
 use robovec_ir::print::print_file;
+use robovec_ir::states::States;
 use robovec_ir::{Array, Function, Module, Shape, View, parse};
 use robovec_passes::registry::REGISTRY;
 use std::path::Path;
@@ -110,7 +113,7 @@ impl PythonProgram {
         check: Option<u32>,
     ) -> PyResult<PythonProgram> {
         py.detach(|| {
-            let (module, records, _) = self.transformed(passes, machine, check)?;
+            let (module, records, _) = self.transformed(passes, machine, check, None)?;
             Ok(PythonProgram {
                 module,
                 model: self.model.clone(),
@@ -128,7 +131,7 @@ impl PythonProgram {
         passes: &str,
         machine: &str,
     ) -> PyResult<Vec<(String, String)>> {
-        py.detach(|| Ok(self.transformed(passes, machine, None)?.2))
+        py.detach(|| Ok(self.transformed(passes, machine, None, None)?.2))
     }
 
     /// The same function under another name.
@@ -259,6 +262,36 @@ impl PythonProgram {
         })
     }
 
+    /// The page of `robovec view`, for a pipeline that starts with this function.
+    fn page(&self, py: Python<'_>, passes: &str, machine: &str) -> PyResult<String> {
+        py.detach(|| {
+            let name = format!("equations of {}", self.name());
+            let module = parse::parse_module(&name, &print_file(self.view()));
+            let mut module = module.expect("a printed function is read");
+            let text = place_lines(&mut module, &name).unwrap_or_default();
+            let shown = single(module, None, None)?;
+            let mut trail = Trail::new();
+            let (module, passes_run, _) =
+                shown.transformed(passes, machine, None, Some(&mut trail))?;
+            let model = self.model.as_deref().map(|model| ModelText {
+                name: model.name.clone(),
+                text: String::new(),
+                joints: self.joints(),
+            });
+            Ok(robovec::view::page(&ViewedRun {
+                module: &module,
+                trail: &trail,
+                passes: &passes_run,
+                machine: &sources::machine(machine).map_err(|error| refused(&error))?,
+                states: &States::new(1),
+                files: &[(name, text)],
+                model: model.as_ref(),
+                pipeline: passes,
+                read: shown.read,
+            }))
+        })
+    }
+
     /// Cycles and elements of a placed function: the elements by name, and of
     /// every operation its name, element and cycle; `None` before `place`.
     #[allow(clippy::type_complexity)]
@@ -314,6 +347,7 @@ impl PythonProgram {
         passes: &str,
         machine: &str,
         check: Option<u32>,
+        trail: Option<&mut Trail>,
     ) -> PyResult<(Module, Vec<PassRunRecord>, Vec<(String, String)>)> {
         let pipeline = REGISTRY
             .pipeline(passes)
@@ -323,6 +357,8 @@ impl PythonProgram {
         let mut log = Vec::new();
         let config = Config {
             check_each: check,
+            rounding: trail.is_some().then_some(0),
+            trail,
             ..Config::new(&machine, &mut log)
         };
         let outcome = manager::run(&mut module, &pipeline, config).map_err(plain)?;

@@ -1,5 +1,6 @@
 """The package as it was installed, beside the program of the command line."""
 
+import html
 import os
 import pathlib
 import re
@@ -153,6 +154,27 @@ class Names(unittest.TestCase):
         for call, words in wrong:
             with self.subTest(words), self.assertRaisesRegex(robovec.Error, words):
                 call()
+
+
+class Viewing(unittest.TestCase):
+    def test_a_notebook_shows_the_page_in_a_frame(self):
+        with tempfile.TemporaryDirectory() as folder:
+            before = os.getcwd()
+            os.chdir(folder)
+            try:
+                shown = robovec.load(ARM, "invdyna", numbers=True).run("$cpu").view("atomise,balance")
+                self.assertEqual(os.listdir(folder), [])
+            finally:
+                os.chdir(before)
+        frame = re.fullmatch(r'<iframe srcdoc="([^"]*)"([^>]*)></iframe>', shown._repr_html_())
+        self.assertEqual(html.unescape(frame.group(1)), shown.page)
+        self.assertIn("allow-scripts", frame.group(2))
+        self.assertIn("invdyna through atomise,balance", shown.page)
+        self.assertIn("equations of invdyna", shown.page)
+        # Equations of a file are shown as robovec's text.
+        self.assertIn("balance", robovec.load(SUSPENSION).view("balance").page)
+        with self.assertRaisesRegex(robovec.Error, "no-such-pass"):
+            robovec.load(ARM).view("no-such-pass")
 
 
 class Gate(unittest.TestCase):
