@@ -47,7 +47,12 @@ def external(
         # Code that CasADi generates may load the library again until the end.
         atexit.register(shutil.rmtree, place, ignore_errors=True)
     library = library_of(files, place, program.name, compiler, flags)
-    return ca.external(program.name, str(library))
+    made = ca.external(program.name, str(library))
+    if derivatives == "none":
+        return made
+    # A Jacobian costs some three directions: CasADi takes it for more of them.
+    penalty = 3 / max(1, min(made.nnz_in(), made.nnz_out()))
+    return ca.external(program.name, str(library), {"jac_penalty": penalty})
 
 
 def text_of(function: ca.Function, name: str) -> str:
