@@ -84,7 +84,11 @@ class Compiled:
 
     def arrays(self, states: int) -> dict[str, np.ndarray]:
         """Zeros for every input of so many states, as the function reads them:
-        what is filled in is passed without being copied."""
+        what is filled in is passed without being copied.
+
+            >>> room = compiled.arrays(1000)
+            >>> room["q"][...] = 0.1
+        """
         shapes = self._program.inputs.items()
         return {name: self._room(shape, states) for name, shape in shapes}
 
@@ -108,7 +112,10 @@ class Compiled:
         return base if same and base.flags.c_contiguous else None
 
     def results(self, states: int) -> dict[str, np.ndarray]:
-        """Zeros for every output of so many states, for ``out``."""
+        """Zeros for every output of so many states, for ``out``.
+
+            >>> compiled(**room, out=compiled.results(1000))
+        """
         shapes = self._program.outputs.items()
         return {name: self._room(shape, states) for name, shape in shapes}
 
