@@ -5,7 +5,7 @@
 //! equations level the nodes without a name are the inner nodes of the
 //! expression tree of the next named node (or output) that uses them.
 
-use crate::entity::{Constant, Input, Operand, Output, Value};
+use crate::entity::{Constant, Input, Operand, OperandKind, Output, Value};
 use crate::history::Histories;
 use crate::placement::{Placement, Schedule};
 use crate::source::SourceSet;
@@ -158,6 +158,27 @@ pub struct Array {
     pub offset: u32,
 }
 
+impl Array {
+    /// Name and extent.
+    pub fn declaration(&self) -> (Symbol, Shape) {
+        (self.name, self.shape)
+    }
+}
+
+/// Places of the elements of arrays in other arrays: those with the same name
+/// and indices, `None` where there is none.
+pub fn places_by_name(old: &[Array], new: &[Array]) -> Vec<Option<u32>> {
+    let elements = old.iter().flat_map(|array| {
+        let target = new.iter().find(|other| other.name == array.name);
+        (0..array.shape.len() as u32).map(move |offset| {
+            let (indices, rank) = array.shape.indices(offset);
+            let place = target?.shape.offset(&indices[..rank])?;
+            Some(target?.offset + place)
+        })
+    });
+    elements.collect()
+}
+
 /// The value of one output element.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Assignment {
@@ -262,17 +283,74 @@ impl Function {
         }
     }
 
+    /// A function with the same name, metadata and user calls, without arrays
+    /// and body.
+    pub fn header(&self, level: Level) -> Function {
+        Function {
+            metadata: self.metadata.clone(),
+            boundaries: self.boundaries.clone(),
+            ..Function::new(&self.name, level)
+        }
+    }
+
     /// A function with the same name, signature and metadata and no body: the
     /// start of a pass that rewrites the body. Properties of single nodes, such
     /// as their formats, must be copied by the pass.
     pub fn skeleton(&self, level: Level) -> Function {
         Function {
-            metadata: self.metadata.clone(),
-            boundaries: self.boundaries.clone(),
             inputs: self.inputs.clone(),
             outputs: self.outputs.clone(),
-            ..Function::new(&self.name, level)
+            ..self.header(level)
         }
+    }
+
+    /// The function with these arrays declared; the caller keeps names unique.
+    pub fn with_arrays(
+        mut self,
+        inputs: impl IntoIterator<Item = (Symbol, Shape)>,
+        outputs: impl IntoIterator<Item = (Symbol, Shape)>,
+    ) -> Function {
+        for (name, shape) in inputs {
+            self.add_input(name, shape);
+        }
+        for (name, shape) in outputs {
+            self.add_output(name, shape);
+        }
+        self
+    }
+
+    /// The function with the arrays of another one, which has no body. Elements
+    /// that are read or set move to those that `input` and `output` give;
+    /// assignments without such an element are dropped. Values keep their
+    /// numbers.
+    pub fn moved_into(
+        &self,
+        mut new: Function,
+        input: impl Fn(Input) -> Input,
+        output: impl Fn(Output) -> Option<Output>,
+    ) -> Function {
+        let operand = |new: &mut Function, old: Operand| match old.kind() {
+            OperandKind::Input(old) => input(old).into(),
+            OperandKind::Constant(old) => new.constant(self.constant_number(old)).into(),
+            OperandKind::Value(_) | OperandKind::None => old,
+        };
+        new.reserve(self.nodes.len());
+        for node in &self.nodes {
+            let operands = node.operands.map(|old| operand(&mut new, old));
+            new.push(Node { operands, ..*node });
+        }
+        for set in &self.assignments {
+            if let Some(output) = output(set.output) {
+                let operand = operand(&mut new, set.operand);
+                new.assignments.push(Assignment {
+                    output,
+                    operand,
+                    ..*set
+                });
+            }
+        }
+        new.sort_assignments();
+        new
     }
 
     /// Declares an input array; the caller keeps names unique.

@@ -31,7 +31,7 @@ pub mod verify;
 pub use entity::{Constant, Input, Operand, OperandKind, Output, Value};
 pub use function::{
     Array, Assignment, Boundary, Function, Level, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS, Node,
-    Shape, Timing,
+    Shape, Timing, places_by_name,
 };
 pub use history::{Histories, History, HistoryStep};
 pub use machine::Machine;

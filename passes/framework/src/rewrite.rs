@@ -29,15 +29,6 @@ impl<'a> Rewriter<'a> {
         }
     }
 
-    /// Starts with an empty function that has its own signature; outputs
-    /// are for the caller to set.
-    pub fn into_function(old: &'a Function, new: Function) -> Rewriter<'a> {
-        Rewriter {
-            new,
-            ..Rewriter::new(old, old.level)
-        }
-    }
-
     /// As [`Rewriter::new`]; the values that are [kept](Rewriter::keep) keep
     /// their number formats too. For passes under which a format still means
     /// the same: without this the formats are gone, which the manager refuses.

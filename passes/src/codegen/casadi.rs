@@ -8,10 +8,7 @@ use robovec_framework::manager::{self, Config};
 use robovec_framework::option_words;
 use robovec_framework::pass::{Artifact, Context, PassError};
 use robovec_framework::rewrite::without_dead;
-use robovec_ir::{
-    Array, Assignment, Function, Input, Level, Module, Node, Operand, OperandKind, Output, Shape,
-    Tables,
-};
+use robovec_ir::{Array, Function, Input, Level, Module, Output, Shape, Tables, places_by_name};
 
 option_words! {
     /// Derivatives that are written beside a function.
@@ -229,81 +226,40 @@ fn only(function: &Function, is_wanted: impl Fn(&Array) -> bool) -> Function {
 
 /// The function with some of its output arrays, in this order.
 fn with_outputs(function: &Function, outputs: &[Array]) -> Function {
-    let mut new = started(function);
-    for array in function.inputs() {
-        new.add_input(array.name, array.shape);
-    }
-    for node in function.nodes() {
-        new.push(*node);
-    }
-    for array in outputs {
-        let made = new.add_output(array.name, array.shape);
-        let (first, length) = (array.offset, array.shape.len() as u32);
-        let sets = function
-            .assignments
-            .iter()
-            .filter(|set| (first..first + length).contains(&set.output.0));
-        new.assignments.extend(sets.map(|set| Assignment {
-            output: Output(set.output.0 - first + made.offset),
-            ..*set
-        }));
-    }
-    new.sort_assignments();
-    without_dead(new)
+    let inputs = function.inputs().iter().map(Array::declaration);
+    let new = header(function).with_arrays(inputs, outputs.iter().map(Array::declaration));
+    let places = places_by_name(function.outputs(), new.outputs());
+    let place = |output: Output| places[output.index()].map(Output);
+    without_dead(function.moved_into(new, |input| input, place))
 }
 
 /// The function with vectors for all arrays but Jacobians: matrices column by
 /// column, scalars as one element.
 fn column_vectors(function: &Function, is_block: &[bool]) -> Function {
-    let mut new = started(function);
-    for array in function.inputs() {
-        new.add_input(array.name, Shape::Vector(array.shape.len() as u32));
-    }
-    for (array, is_block) in function.outputs().iter().zip(is_block) {
-        let shape = match is_block {
-            true => array.shape,
-            false => Shape::Vector(array.shape.len() as u32),
-        };
-        new.add_output(array.name, shape);
-    }
+    let vector = |array: &Array| (array.name, Shape::Vector(array.shape.len() as u32));
+    let outputs = function.outputs().iter().zip(is_block);
+    let outputs = outputs.map(|(array, is_block)| match is_block {
+        true => array.declaration(),
+        false => vector(array),
+    });
+    let new = header(function).with_arrays(function.inputs().iter().map(vector), outputs);
     let moved = |array: &Array, element: u32| {
         array.offset + layout::place(array, element - array.offset, ElementOrder::Column)
     };
-    let operand = |operand: Operand| match operand.kind() {
-        OperandKind::Input(input) => {
-            let (array, ..) = function.input_element(input);
-            Input(moved(array, input.0)).into()
-        }
-        _ => operand,
-    };
-    for node in function.nodes() {
-        new.push(Node {
-            operands: node.operands.map(operand),
-            ..*node
-        });
-    }
-    let assignments = function.assignments.iter().map(|set| {
-        let array = function.output_array(set.output);
-        let output = match is_block[array] {
-            true => set.output.0,
-            false => moved(&function.outputs()[array], set.output.0),
-        };
-        Assignment {
-            output: Output(output),
-            operand: operand(set.operand),
-            ..*set
-        }
-    });
-    new.assignments = assignments.collect();
-    new.sort_assignments();
-    new
+    function.moved_into(
+        new,
+        |input| Input(moved(function.input_element(input).0, input.0)),
+        |output| match function.output_array(output) {
+            array if is_block[array] => Some(output),
+            array => Some(Output(moved(&function.outputs()[array], output.0))),
+        },
+    )
 }
 
 /// The function with other names for the inputs after those of a function, which
 /// are directions, so that it has directions again.
 fn with_other_directions(function: &Function, inputs: &[Array], tables: &mut Tables) -> Function {
-    let mut new = started(function);
-    for (number, array) in function.inputs().iter().enumerate() {
+    let named = function.inputs().iter().enumerate().map(|(number, array)| {
         let name = match number < inputs.len() {
             true => array.name,
             false => {
@@ -311,26 +267,14 @@ fn with_other_directions(function: &Function, inputs: &[Array], tables: &mut Tab
                 tables.symbols.intern(&name)
             }
         };
-        new.add_input(name, array.shape);
-    }
-    for array in function.outputs() {
-        new.add_output(array.name, array.shape);
-    }
-    for node in function.nodes() {
-        new.push(*node);
-    }
-    new.assignments.clone_from(&function.assignments);
-    new
+        (name, array.shape)
+    });
+    let outputs = function.outputs().iter().map(Array::declaration);
+    let new = header(function).with_arrays(named, outputs);
+    function.moved_into(new, |input| input, Some)
 }
 
-/// An empty function with the constants of another; a schedule is gone.
-fn started(function: &Function) -> Function {
-    let level = function.level.min(Level::Atomic);
-    let mut new = Function::new(&function.name, level);
-    new.metadata.clone_from(&function.metadata);
-    new.boundaries.clone_from(&function.boundaries);
-    for &number in function.constants() {
-        new.constant(number);
-    }
-    new
+/// The start of the function with other arrays; a schedule is gone.
+fn header(function: &Function) -> Function {
+    function.header(function.level.min(Level::Atomic))
 }

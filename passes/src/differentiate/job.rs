@@ -6,9 +6,9 @@ use super::graph::{Ends, LinearisedGraph, Vertex};
 use super::weights::{PartialOrigin, PathWeight, WeightWriter};
 use robovec_framework::differentiation::{DerivativeArrays, DerivativeResult};
 use robovec_framework::pass::{Context, PassError};
-use robovec_framework::rewrite::{Rewriter, output_symbol};
+use robovec_framework::rewrite::output_symbol;
 use robovec_ir::{
-    Assignment, Function, Input, Node, Operand, Operation, Output, SourceSet, Symbol, Tables,
+    Assignment, Function, Input, Operand, Operation, Output, SourceSet, Symbol, Tables,
 };
 
 /// The maximum number of operations a function may get: the text of more is
@@ -45,13 +45,13 @@ impl<'a> DerivativeJob<'a> {
         result: DerivativeResult,
         tables: &mut Tables,
     ) -> DerivativeJob<'a> {
-        let mut rewriter = Rewriter::into_function(old, signature(old, &arrays, tables));
-        for node in old.nodes() {
-            let operands = rewriter.translate_operands(node);
-            rewriter.keep(Node { operands, ..*node });
-        }
+        let signature = signature(old, &arrays, tables);
+        let mut start = old.moved_into(signature, |input| input, |_| None);
         let assignments = old.assignments.iter();
-        let set = assignments.map(|set| rewriter.translate(set.operand));
+        let set = assignments.map(|set| match old.number(set.operand) {
+            Some(number) => start.constant(number).into(),
+            None => set.operand,
+        });
         let set = set.collect();
         let wanted = arrays.rows();
         let rows = (0..old.assignments.len() as u32).filter(|&place| {
@@ -64,7 +64,7 @@ impl<'a> DerivativeJob<'a> {
             rows: rows.collect(),
             row_names: row_names.collect(),
             columns: arrays.columns(),
-            start: rewriter.new,
+            start,
             set,
             old,
             arrays,
@@ -347,9 +347,7 @@ impl<'a> DerivativeJob<'a> {
 
 /// The function after, without a body.
 fn signature(old: &Function, arrays: &DerivativeArrays, tables: &mut Tables) -> Function {
-    let mut new = Function::new(&old.name, old.level);
-    new.metadata.clone_from(&old.metadata);
-    new.boundaries.clone_from(&old.boundaries);
+    let mut new = old.header(old.level);
     new.reserve(2 * old.nodes().len());
     for array in old.inputs() {
         new.add_input(array.name, array.shape);

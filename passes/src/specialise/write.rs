@@ -13,8 +13,8 @@ use robovec_framework::check::{LARGEST_MOVE, moved};
 use robovec_framework::scene::Scene;
 use robovec_ir::states::States;
 use robovec_ir::{
-    Assignment, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Tables, Value,
-    View,
+    Array, Assignment, Function, Name, Node, Operand, OperandKind, Operation, SourceSet, Tables,
+    Value, View,
 };
 
 /// The result and its witness.
@@ -66,16 +66,10 @@ pub(crate) fn is_kept(
 
 /// A function without a body.
 fn empty(function: &Function, signature: &SliceSignature) -> Function {
-    let mut empty = Function::new(&function.name, function.level);
-    empty.metadata = function.metadata.clone();
-    empty.boundaries = function.boundaries.clone();
-    for array in &signature.inputs {
-        empty.add_input(array.name, array.shape);
-    }
-    for array in &signature.outputs {
-        empty.add_output(array.name, array.shape);
-    }
-    empty
+    function.header(function.level).with_arrays(
+        signature.inputs.iter().map(Array::declaration),
+        signature.outputs.iter().map(Array::declaration),
+    )
 }
 
 /// The constant an operand of the numbered function represents.

@@ -5,8 +5,8 @@
 //! cleared. The union of both signatures lets the two be compared as functions.
 
 use robovec_ir::{
-    Array, Assignment, Function, Input, Node, Operand, OperandKind, Output, Shape, SourceSet,
-    Symbol, Tables, Value,
+    Array, Assignment, Function, Input, Operand, OperandKind, Output, Shape, SourceSet, Symbol,
+    Tables, Value, places_by_name,
 };
 
 /// A name and an extent.
@@ -90,64 +90,24 @@ fn rebuild(
     inputs: &ArrayExtent,
     outputs: &ArrayExtent,
 ) -> Function {
-    let mut rebuilt = Function::new(&function.name, function.level);
     let mut declare = |signature: &ArrayExtent| -> Vec<(Symbol, Shape)> {
         let named = signature.iter();
         named
             .map(|(name, shape)| (tables.symbols.intern(name), *shape))
             .collect()
     };
-    let (input_arrays, output_arrays) = (declare(inputs), declare(outputs));
-    let inputs: Vec<Array> = input_arrays
-        .into_iter()
-        .map(|(name, shape)| rebuilt.add_input(name, shape))
-        .collect();
-    let outputs: Vec<Array> = output_arrays
-        .into_iter()
-        .map(|(name, shape)| rebuilt.add_output(name, shape))
-        .collect();
-    let input_places = places(function.inputs(), &inputs);
-    let output_places = places(function.outputs(), &outputs);
-    let operand = |rebuilt: &mut Function, operand: Operand| match operand.kind() {
-        OperandKind::Input(input) => Input(input_places[input.index()]).into(),
-        OperandKind::Constant(constant) => {
-            let number = function.constant_number(constant);
-            rebuilt.constant(number).into()
-        }
-        OperandKind::Value(_) | OperandKind::None => operand,
-    };
-    for node in function.nodes() {
-        let operands = node.operands.map(|old| operand(&mut rebuilt, old));
-        rebuilt.push(Node { operands, ..*node });
-    }
-    for assignment in &function.assignments {
-        let operand = operand(&mut rebuilt, assignment.operand);
-        rebuilt.assignments.push(Assignment {
-            output: Output(output_places[assignment.output.index()]),
-            operand,
-            sources: assignment.sources,
-        });
-    }
+    let new = Function::new(&function.name, function.level)
+        .with_arrays(declare(inputs), declare(outputs));
+    let inputs = places_by_name(function.inputs(), new.inputs());
+    let outputs = places_by_name(function.outputs(), new.outputs());
+    let covered = "the union contains every element of both functions";
+    let mut rebuilt = function.moved_into(
+        new,
+        |input| Input(inputs[input.index()].expect(covered)),
+        |output| Some(Output(outputs[output.index()].expect(covered))),
+    );
     rebuilt.formats = function.formats.clone();
-    rebuilt.sort_assignments();
     rebuilt
-}
-
-/// Place of every element of the old arrays in the new ones.
-fn places(old: &[Array], new: &[Array]) -> Vec<u32> {
-    let mut places = Vec::new();
-    for array in old {
-        let target = new.iter().find(|candidate| candidate.name == array.name);
-        for offset in 0..array.shape.len() as u32 {
-            let (indices, rank) = array.shape.indices(offset);
-            let place = target.and_then(|target| {
-                let place = target.shape.offset(&indices[..rank])?;
-                Some(target.offset + place)
-            });
-            places.push(place.expect("the union contains every element of both functions"));
-        }
-    }
-    places
 }
 
 /// Sets unset outputs.

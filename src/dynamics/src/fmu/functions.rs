@@ -7,9 +7,7 @@ use crate::generate::{Formulation, GenerationRequest, Options, generate};
 use robovec_cgen::c::{self, ElementOrder, Layout, Real, Signature};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::rewrite::without_dead;
-use robovec_ir::{
-    Assignment, Function, Input, Machine, Module, Node, Operand, OperandKind, Output, Shape, View,
-};
+use robovec_ir::{Array, Assignment, Function, Input, Machine, Module, Output, Shape, View};
 use robovec_model::Model;
 use robovec_passes::registry::REGISTRY;
 use robovec_robotran::FunctionKind;
@@ -195,31 +193,23 @@ impl StepPart {
         let old = module.functions.swap_remove(case);
         module.functions.clear();
         let mut places = Vec::new();
-        let mut assignments = Vec::new();
+        let mut moved = vec![None; old.output_len()];
         for set in &old.assignments {
             let (array, indices, rank) = old.output_element(set.output);
             let name = module.tables.symbols.text(array.name);
             let word = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
             // Numbers that are no arrays are arguments of user functions.
             if rank > 0 && self.outputs.contains(&word) {
-                let output = Output(places.len() as u32);
+                moved[set.output.index()] = Some(Output(places.len() as u32));
                 places.push(variables.output(word, (name, frame), &indices[..rank]));
-                assignments.push(Assignment { output, ..*set });
             }
         }
-        let mut function = Function::new(&old.name, old.level);
-        for &number in old.constants() {
-            function.constant(number);
-        }
-        for array in old.inputs() {
-            function.add_input(array.name, array.shape);
-        }
-        for node in old.nodes() {
-            function.push(*node);
-        }
         let results = module.tables.symbols.intern(RESULTS);
-        function.add_output(results, Shape::Vector(places.len() as u32));
-        function.assignments = assignments;
+        let new = Function::new(&old.name, old.level).with_arrays(
+            old.inputs().iter().map(Array::declaration),
+            [(results, Shape::Vector(places.len() as u32))],
+        );
+        let function = old.moved_into(new, |input| input, |output| moved[output.index()]);
         module.functions.push(without_dead(function));
         (module, places)
     }
@@ -280,32 +270,22 @@ fn flat(
         |place: &NumberPlace| variables.list[place.slot as usize].role == VariableRole::Parameter;
     placed.sort_by_key(|(place, _)| is_fixed(place));
     let moving = placed.iter().filter(|(place, _)| !is_fixed(place)).count();
-    let mut new = Function::new(&format!("robovec_{name}"), function.level);
     let [numbers, results] = ["numbers", RESULTS].map(|word| module.tables.symbols.intern(word));
-    new.add_input(numbers, Shape::Vector(placed.len().max(1) as u32));
-    new.add_output(results, Shape::Vector(to.len().max(1) as u32));
-    let mut moved = vec![0; function.input_len()];
+    let vector = |length: usize| Shape::Vector(length.max(1) as u32);
+    let new = Function::new(&format!("robovec_{name}"), function.level).with_arrays(
+        [(numbers, vector(placed.len()))],
+        [(results, vector(to.len()))],
+    );
+    let mut inputs = vec![Input(0); function.input_len()];
     for (place, (_, input)) in placed.iter().enumerate() {
-        moved[input.index()] = place as u32;
+        inputs[input.index()] = Input(place as u32);
     }
-    let renamed = |new: &mut Function, operand: Operand| match operand.kind() {
-        OperandKind::Input(input) => Input(moved[input.index()]).into(),
-        OperandKind::Constant(constant) => new.constant(function.constant_number(constant)).into(),
-        OperandKind::Value(_) | OperandKind::None => operand,
-    };
-    for node in function.nodes() {
-        let operands = node.operands.map(|operand| renamed(&mut new, operand));
-        new.push(Node { operands, ..*node });
-    }
+    let mut outputs = vec![None; function.output_len()];
     for (place, set) in function.assignments.iter().enumerate() {
-        let operand = renamed(&mut new, set.operand);
-        let output = Output(place as u32);
-        new.assignments.push(Assignment {
-            output,
-            operand,
-            ..*set
-        });
+        outputs[set.output.index()] = Some(Output(place as u32));
     }
+    let input = |input: Input| inputs[input.index()];
+    let new = function.moved_into(new, input, |output| outputs[output.index()]);
     let view = View {
         tables: &module.tables,
         function: &new,

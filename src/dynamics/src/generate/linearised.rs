@@ -22,10 +22,9 @@ use super::{
 use hashbrown::HashSet;
 use robovec_framework::differentiation;
 use robovec_framework::manager::{self, Config};
-use robovec_framework::rewrite::Rewriter;
 use robovec_ir::{
-    Array, Assignment, Function, Input, Machine, Module, Name, Node, Operand, OperandKind, Output,
-    Shape, SourceSet, Symbol, Value,
+    Array, Assignment, Function, Input, Machine, Module, Name, Operand, Output, Shape, SourceSet,
+    Symbol, Value, places_by_name,
 };
 use robovec_model::Model;
 use robovec_passes::registry::REGISTRY;
@@ -147,40 +146,16 @@ fn with_read_inputs(own: &Module, model: &Model) -> Function {
         points: points.filter_map(|(_, used)| Some((*used)?.1)).sum(),
         columns: 0,
     };
-    let mut new = Function::new(&old.name, old.level);
-    new.metadata.clone_from(&old.metadata);
-    let arrays: Vec<Option<Array>> = old
-        .inputs()
-        .iter()
-        .zip(&used)
-        .map(|(array, used)| {
-            let (_, rank) = array.shape.indices(0);
-            let shape = extents.shape(text(array), rank, (*used)?);
-            Some(new.add_input(array.name, shape))
-        })
-        .collect();
-    for array in old.outputs() {
-        new.add_output(array.name, array.shape);
-    }
-    let moved = |new: &mut Function, operand: Operand| match operand.kind() {
-        OperandKind::Input(input) => {
-            let (_, indices, rank) = old.input_element(input);
-            let array = arrays[old.input_array(input)].expect("what is read stays");
-            let offset = array.shape.offset(&indices[..rank]);
-            Input(array.offset + offset.expect("extents cover what is read")).into()
-        }
-        OperandKind::Constant(constant) => new.constant(old.constant_number(constant)).into(),
-        OperandKind::Value(_) | OperandKind::None => operand,
-    };
-    for node in old.nodes() {
-        let operands = node.operands.map(|operand| moved(&mut new, operand));
-        new.push(Node { operands, ..*node });
-    }
-    for set in &old.assignments {
-        let operand = moved(&mut new, set.operand);
-        new.assignments.push(Assignment { operand, ..*set });
-    }
-    new
+    let inputs = old.inputs().iter().zip(&used).filter_map(|(array, used)| {
+        let (_, rank) = array.shape.indices(0);
+        let shape = extents.shape(text(array), rank, (*used)?);
+        Some((array.name, shape))
+    });
+    let outputs = old.outputs().iter().map(Array::declaration);
+    let new = old.header(old.level).with_arrays(inputs, outputs);
+    let places = places_by_name(old.inputs(), new.inputs());
+    let place = |input: Input| Input(places[input.index()].expect("extents cover what is read"));
+    old.moved_into(new, place, Some)
 }
 
 /// Gives the values that passes made names as the generator gives them, which
@@ -233,12 +208,8 @@ struct LinearOutputs<'a> {
 impl LinearOutputs<'_> {
     fn of(&self, module: &mut Module) -> Function {
         let (old, tables) = (&module.functions[0], &mut module.tables);
-        let mut new = Function::new(&old.name, old.level);
-        new.metadata.clone_from(&old.metadata);
+        let mut new = old.header(old.level);
         new.metadata.retain(|(key, _)| key != differentiation::KEY);
-        for array in old.inputs() {
-            new.add_input(array.name, array.shape);
-        }
         let (joints, states) = (self.model.joints.len() as u32, 2 * self.free.len() as u32);
         let arrays: &[(&str, Shape)] = if self.is_linear {
             &[
@@ -252,78 +223,63 @@ impl LinearOutputs<'_> {
                 ("qdd_Qq", Shape::Matrix(joints, joints)),
             ]
         };
-        for (name, shape) in arrays {
-            new.add_output(tables.symbols.intern(name), *shape);
-        }
+        let outputs = arrays
+            .iter()
+            .map(|(name, shape)| (tables.symbols.intern(name), *shape));
+        new = new.with_arrays(old.inputs().iter().map(Array::declaration), outputs);
         if self.is_linear {
             let numbers: Vec<String> = self.free.iter().map(|j| (j + 1).to_string()).collect();
             new.metadata.push(("state".to_owned(), numbers.join(" ")));
         }
-        let mut rewriter = Rewriter::into_function(old, new);
-        for node in old.nodes() {
-            let operands = rewriter.translate_operands(node);
-            rewriter.keep(Node { operands, ..*node });
-        }
-        let mut assignments = Vec::new();
-        for assignment in &old.assignments {
-            let (array, indices, _) = old.output_element(assignment.output);
-            let name = tables.symbols.text(array.name);
-            if !DERIVATIVES.contains(&name) {
-                continue;
-            }
-            if let Some(output) = self.place(&rewriter.new, arrays, name, indices) {
-                assignments.push(Assignment {
-                    output,
-                    operand: rewriter.translate(assignment.operand),
-                    ..*assignment
-                });
-            }
-        }
-        let mut function = rewriter.new;
-        self.constants(&mut function, &mut assignments);
-        function.assignments = assignments;
+        let made = new.outputs().to_vec();
+        let mut function = old.moved_into(
+            new,
+            |input| input,
+            |output| {
+                let (array, indices, _) = old.output_element(output);
+                let name = tables.symbols.text(array.name);
+                let is_derivative = DERIVATIVES.contains(&name);
+                let (place, indices) = is_derivative.then(|| self.place(name, indices))??;
+                Some(Output(
+                    made[place].offset + made[place].shape.offset(&indices)?,
+                ))
+            },
+        );
+        self.constants(&mut function);
         function.sort_assignments();
         function
     }
 
-    /// Place of an element of the derivatives among the new outputs.
-    fn place(
-        &self,
-        new: &Function,
-        arrays: &[(&str, Shape)],
-        name: &str,
-        [row, column]: [u32; 2],
-    ) -> Option<Output> {
+    /// New array, by its place, and indices of an element of the derivatives.
+    fn place(&self, name: &str, [row, column]: [u32; 2]) -> Option<(usize, [u32; 2])> {
         let at = |joint: u32| self.free.binary_search(&(joint as usize - 1)).ok();
         let count = self.free.len() as u32;
-        let (target, indices) = match (self.is_linear, name) {
-            (true, "qdd_Qq") => ("B", [count + at(row)? as u32 + 1, column]),
+        Some(match (self.is_linear, name) {
+            (true, "qdd_Qq") => (1, [count + at(row)? as u32 + 1, column]),
             (true, "qdd_q") => {
                 let indices = [count + at(row)? as u32 + 1, at(column)? as u32 + 1];
-                ("A", indices)
+                (0, indices)
             }
             (true, _) => {
                 let row = count + at(row)? as u32 + 1;
-                ("A", [row, count + at(column)? as u32 + 1])
+                (0, [row, count + at(column)? as u32 + 1])
             }
-            (false, "qdd_Qq") => (name, [row, column]),
+            (false, "qdd_Qq") => (2, [row, column]),
             (false, _) => {
                 let driven = self.model.joints[column as usize - 1].nature;
                 let moves = at(column).is_some() || driven == robovec_model::Nature::Driven;
-                (name, moves.then_some([row, column])?)
+                let array = usize::from(name == "qdd_qd");
+                (array, moves.then_some([row, column])?)
             }
-        };
-        let place = arrays.iter().position(|(name, _)| *name == target)?;
-        let array = &new.outputs()[place];
-        Some(Output(array.offset + array.shape.offset(&indices)?))
+        })
     }
 
     /// Velocities are the derivatives of positions. And every array has an
     /// element, if only a zero: the last one where only its indices show a
     /// reader how large the array is.
-    fn constants(&self, function: &mut Function, assignments: &mut Vec<Assignment>) {
-        let mut set = |output: u32, operand: Operand| {
-            assignments.push(Assignment {
+    fn constants(&self, function: &mut Function) {
+        let set = |function: &mut Function, output: u32, operand: Operand| {
+            function.assignments.push(Assignment {
                 output: Output(output),
                 operand,
                 sources: SourceSet::EMPTY,
@@ -333,7 +289,7 @@ impl LinearOutputs<'_> {
         if self.is_linear {
             let count = self.free.len() as u32;
             for state in 0..count {
-                set(state * 2 * count + count + state, one);
+                set(function, state * 2 * count + count + state, one);
             }
         }
         let zero = Operand::from(function.constant(0.0));
@@ -345,13 +301,9 @@ impl LinearOutputs<'_> {
             } else {
                 (array.offset..last + 1, array.offset)
             };
-            let mut outputs = assignments.iter().map(|set| set.output.0);
+            let mut outputs = function.assignments.iter().map(|set| set.output.0);
             if !outputs.any(|output| wanted.contains(&output)) {
-                assignments.push(Assignment {
-                    output: Output(element),
-                    operand: zero,
-                    sources: SourceSet::EMPTY,
-                });
+                set(function, element, zero);
             }
         }
     }
