@@ -12,7 +12,7 @@ use robovec_num::limits::NumberLimit;
 declare_pass! {
     /// Shortens the longest path by looking back across several equations.
     ///
-    /// What is late in a recursion enters its equations linearly: `x = c*u + e`
+    /// The late value of a recursion enters its equations linearly: `x = c*u + e`
     /// with `c` and `e` known early. Substituting `u = d*v + f` gives `x` from
     /// `v`, one step earlier, with the coefficient `c*d` and the rest `c*f + e`
     /// computed beside the recursion. Such forms are made for all sums and

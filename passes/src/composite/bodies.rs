@@ -419,8 +419,8 @@ impl<N: Copy> CompositeInertia<N> {
         }
     }
 
-    /// What a joint that is free leaves of the inertia, for the wrench of its
-    /// unit acceleration and this wrench over its part along the joint. `a` and
+    /// Inertia that a free joint leaves, for the wrench of its unit acceleration
+    /// and this wrench over its part along the joint. `a` and
     /// `d` are taken to be symmetric.
     pub(super) fn without<R: Ring<Number = N>>(
         &self,

@@ -13,7 +13,7 @@
 //! share of a machine come from [`device::figures`], titles and captions from
 //! `captions.toml`.
 //!
-//! What stays with the clients, since its meaning differs:
+//! These stay with the clients, since their meaning differs:
 //!
 //! - points: `front` has one for a program in a format with times for every
 //!   size, `fit` one for a program in a format and a size, `sweep` one for a

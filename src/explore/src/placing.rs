@@ -60,7 +60,7 @@ pub fn placed(
 ///
 /// # Errors
 ///
-/// Why there is no placement, for users.
+/// The reason why there is no placement, for users.
 pub fn verified(
     module: &Module,
     machine: &Machine,

@@ -205,7 +205,7 @@ fn joined_length(text: &str) -> usize {
 }
 
 /// Skips a comment of C to the end of its line, and of the lines joined to it.
-/// Whether `??/` joins lines depends on how the compiler is called.
+/// The compiler's options decide if `??/` joins lines.
 fn line_comment(lexer: &mut Lexer<'_, C>) -> Result<Skip, ()> {
     let length = joined_length(lexer.remainder());
     let trigraph = lexer.remainder()[..length].trim_end().ends_with("??/");

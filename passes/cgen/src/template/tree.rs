@@ -247,7 +247,7 @@ impl TargetTree {
         text.expect("numbers without a text are refused")
     }
 
-    /// What an element of the outputs is set to.
+    /// Operand that an element of the outputs is set to.
     pub(super) fn assigned(&self, output: Output) -> Operand {
         self.set[output.index()].unwrap_or(self.zero.into())
     }

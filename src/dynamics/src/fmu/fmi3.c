@@ -139,7 +139,7 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference
     if (count != values_count)
         return refuse(s, "every variable has one value");
     for (size_t k = 0; k < count; k++) {
-        if (variables[k] >= SLOTS || !strchr("ips", kinds[variables[k]]))
+        if (variables[k] >= SLOTS || !strchr("ipsg", kinds[variables[k]]))
             return refuse(s, "only inputs, parameters and states are set");
         if (!isfinite(values[k]))
             return refuse(s, "a value is not finite");

@@ -24,7 +24,7 @@ struct StepPart {
 /// Number of the kinds that a step consists of; those of sensed frames follow.
 pub(super) const KINDS: usize = PARTS.len();
 
-/// What is sensed of a frame, of sensors and of links by name.
+/// Motions of sensed frames, of sensors and of links by name.
 const SENSED: [StepPart; 2] = [
     StepPart {
         name: "sensor",

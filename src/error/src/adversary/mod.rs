@@ -1,7 +1,7 @@
 //! Adversary of programs: the search for the states at which errors are
 //! largest.
 //!
-//! What it finds is a lower bound of the largest error, no more.
+//! The result is a lower bound of the largest error, no more.
 
 mod breed;
 mod climb;

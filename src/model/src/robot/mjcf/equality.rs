@@ -209,8 +209,8 @@ impl<'a> MjcfReader<'a, '_> {
     }
 }
 
-/// What a name at the end of a loop refers to; `None`, with an error, where there
-/// is nothing of this name.
+/// The element that a name at the end of a loop refers to; `None`, with an error,
+/// if there is none of this name.
 fn end<T: Copy>(
     known: &FxHashMap<String, T>,
     (node, attribute): (Node<'_, '_>, &str),
