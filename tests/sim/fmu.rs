@@ -128,6 +128,51 @@ fn random_models_move_in_fmpy_as_in_sim() {
     assert!(compared_models >= 4, "{compared_models}");
 }
 
+/// Runs an FMU in both ways up to 2 s: the time of the last step of
+/// co-simulation, and that of model exchange.
+const LAST_TIMES: &str = "
+import sys
+from fmpy import extract, instantiate_fmu, read_model_description, simulate_fmu
+description = read_model_description(sys.argv[1])
+fmu = instantiate_fmu(extract(sys.argv[1]), description, 'CoSimulation')
+fmu.enterInitializationMode(tolerance=1e-10)
+fmu.exitInitializationMode()
+_, ends, _, last = fmu.doStep(0.0, 2.0)
+assert ends
+run = simulate_fmu(sys.argv[1], fmi_type='ModelExchange', stop_time=2, relative_tolerance=1e-10)
+print(last, run['time'][-1])
+";
+
+#[test]
+fn an_event_that_stops_ends_both_kinds_of_run() {
+    if !has_fmpy() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [laws, fmu] = ["x.toml", "x.fmu"].map(|name| folder.path().join(name));
+    let event = "[[event]]\nname = \"R2_Crank\"\nvalue = -0.9\nstop = true\n";
+    fs::write(&laws, event).expect("a temporary file");
+    let [laws, fmu] = [laws, fmu].map(|path| path.display().to_string());
+    let subject = ["examples/models/four-bar.mbs", "--laws", &laws];
+    let precise = ["--time", "2", "--tolerance", "1e-10", "--samples", "1"];
+    let table = said(&robovec(&[&["sim"], &subject[..], &precise].concat()));
+    let last = table.lines().next_back().expect("a row");
+    let (time, _) = last.split_once(',').expect("a time");
+    let expected: f64 = time.parse().expect("a number");
+    said(&robovec(
+        &[&["sim", "fmu"], &subject[..], &["-o", &fmu]].concat(),
+    ));
+    let run = Command::new("python3")
+        .args(["-c", LAST_TIMES, &fmu])
+        .output();
+    let times = said(&run.expect("python3 starts"));
+    for time in times.split_whitespace() {
+        let found: f64 = time.parse().expect("a number");
+        assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+    }
+    assert_eq!(times.split_whitespace().count(), 2);
+}
+
 #[test]
 fn models_that_do_not_move_have_no_fmu() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -3,7 +3,7 @@
 use super::{MovedModel, failure};
 use crate::command::{CommandFailure, output, telling};
 use clap::Args;
-use robovec_dynamics::fmu::{Fmu, FmuError};
+use robovec_dynamics::fmu::Fmu;
 use robovec_dynamics::generate::{Options, fewest};
 use robovec_io::files::TemporaryFolder;
 use robovec_io::process::ProgramCall;
@@ -47,10 +47,7 @@ pub(super) fn run(arguments: &FmuArguments) -> Result<String, CommandFailure> {
         Some(name) => crate::command::generation::formulation(name),
         None => fewest(&model, FunctionKind::Accelred, &Options::default()),
     };
-    let fmu = Fmu::new(&model, &laws, formulation).map_err(|error| match error {
-        FmuError::Motion(error) => failure(error),
-        other => CommandFailure::plain(other.to_string()),
-    })?;
+    let fmu = Fmu::new(&model, &laws, formulation).map_err(failure)?;
     let binary = match platform() {
         Some(platform) => compiled(arguments, &fmu)?.map(|binary| (platform, binary)),
         None => None,

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Units of variables, as powers of kg, m, s and rad.
-const UNITS: [(&str, [i8; 4]); 18] = [
+const UNITS: [(&str, [i8; 4]); 16] = [
     ("s", [0, 0, 1, 0]),
     ("m", [0, 1, 0, 0]),
     ("m/s", [0, 1, -1, 0]),
@@ -25,8 +25,6 @@ const UNITS: [(&str, [i8; 4]); 18] = [
     ("kg", [1, 0, 0, 0]),
     ("kg.m2", [1, 2, 0, 0]),
     ("1", [0, 0, 0, 0]),
-    ("rad2", [0, 0, 0, 2]),
-    ("m2", [0, 2, 0, 0]),
 ];
 
 /// `modelDescription.xml`.
@@ -47,7 +45,8 @@ pub(super) fn description(
          <fmiModelDescription fmiVersion=\"3.0\" modelName=\"{name}\" \
          instantiationToken=\"{token}\"\n  generationTool=\"robovec\" \
          variableNamingConvention=\"structured\">\n\
-         \x20 <ModelExchange modelIdentifier=\"{identifier}\" {capabilities}/>\n\
+         \x20 <ModelExchange modelIdentifier=\"{identifier}\" {capabilities}\n\
+         \x20   needsCompletedIntegratorStep=\"true\"/>\n\
          \x20 <CoSimulation modelIdentifier=\"{identifier}\" {capabilities}\n\
          \x20   canHandleVariableCommunicationStepSize=\"true\"/>\n\
          \x20 <UnitDefinitions>\n",

@@ -91,7 +91,7 @@ EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 {
     Instance *s = instance;
     const fmi3Status status = evaluated(s);
-    watch_all(&s->n);
+    watch_all(&s->n, 0);
     return status;
 }
 
@@ -291,14 +291,21 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, bool *again, b
     const fmi3Status status = evaluated(s);
     *again = *nominals = *values = *has_next = false;
     *next = 0;
-    *terminate = status == fmi3OK && watch_all(&s->n);
+    *terminate = status == fmi3OK && watch_all(&s->n, 1);
     return status;
 }
 
 EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, bool no_return, bool *event, bool *terminate)
 {
-    *event = *terminate = false;
-    return fmi3OK;
+    Instance *s = instance;
+    const fmi3Status status = evaluated(s);
+    /* The run ends in event mode, where sides are noted. */
+    double *watched = s->n.watched, kept[EVENTS + 1];
+    memcpy(kept, watched, sizeof kept);
+    *event = status == fmi3OK && watch_all(&s->n, 0);
+    memcpy(watched, kept, sizeof kept);
+    *terminate = false;
+    return status;
 }
 
 EXPORT fmi3Status fmi3SetTime(fmi3Instance instance, double time)

@@ -1,9 +1,10 @@
 //! Generated functions of an FMU: from and to places of the array of variables,
 //! with their derivatives along a direction.
 
-use super::FmuError;
 use super::variables::{FmuVariables, NumberPlace, VariableRole};
 use crate::generate::{Formulation, GenerationRequest, Options, generate};
+use crate::kinematics::StateError;
+use crate::motion::MotionError;
 use robovec_cgen::c::{self, ElementOrder, Layout, Real, Signature};
 use robovec_framework::manager::{self, Config};
 use robovec_framework::rewrite::without_dead;
@@ -101,7 +102,7 @@ const SHORTEN: &str = "$cpu";
 pub(super) fn functions(
     variables: &mut FmuVariables<'_>,
     formulation: Formulation,
-) -> Result<Vec<FmuFunction>, FmuError> {
+) -> Result<Vec<FmuFunction>, MotionError> {
     let model = variables.model;
     let mut functions = Vec::new();
     for (kind, part) in PARTS.iter().enumerate() {
@@ -138,7 +139,7 @@ fn generated(
     model: &Model,
     function: FunctionKind,
     formulation: Formulation,
-) -> Result<Module, FmuError> {
+) -> Result<Module, MotionError> {
     let request = GenerationRequest {
         function,
         formulation,
@@ -154,7 +155,7 @@ fn add(
     part: &StepPart,
     (module, case): (Module, usize),
     kind: usize,
-) -> Result<(), FmuError> {
+) -> Result<(), MotionError> {
     let frame = kind.saturating_sub(KINDS) as u32;
     let (module, places) = part.equations(variables, module, case, frame);
     let along = directions(&module);
@@ -232,13 +233,13 @@ fn directions(module: &Module) -> Option<String> {
     (!names.is_empty()).then(|| format!("atomise,{differentiate},fold,cse,dce,{SHORTEN}"))
 }
 
-fn run(module: &mut Module, passes: &str) -> Result<(), FmuError> {
+fn run(module: &mut Module, passes: &str) -> Result<(), MotionError> {
     let pipeline = REGISTRY.pipeline(passes).expect("made of known passes");
     let machine = Machine::built_in("thesis").expect("it ships");
     // Remarks are about functions that nobody sees.
     let mut silent = std::io::sink();
     let outcome = manager::run(module, &pipeline, Config::new(&machine, &mut silent));
-    outcome.map_err(|error| FmuError::Passes(error.to_string()))?;
+    outcome.map_err(|error| MotionError::Passes(error.to_string()))?;
     Ok(())
 }
 
@@ -249,7 +250,7 @@ fn flat(
     variables: &mut FmuVariables<'_>,
     name: &str,
     to: Vec<NumberPlace>,
-) -> Result<FmuFunction, FmuError> {
+) -> Result<FmuFunction, MotionError> {
     let function = &module.functions[0];
     let symbols = &module.tables.symbols;
     let read = function.nodes().iter().flat_map(|node| node.operands());
@@ -264,7 +265,11 @@ fn flat(
     for input in used {
         let (array, indices, rank) = function.input_element(input);
         let place = variables.input(symbols.text(array.name), &indices[..rank]);
-        placed.push((place.map_err(FmuError::Element)?, input));
+        let place = place.map_err(|element| StateError::Element {
+            function: function.name.clone(),
+            element,
+        })?;
+        placed.push((place, input));
     }
     let is_fixed =
         |place: &NumberPlace| variables.list[place.slot as usize].role == VariableRole::Parameter;

@@ -26,29 +26,8 @@ use crate::motion::{
 };
 use robovec_cgen::kind::file_stem;
 use robovec_model::{Model, Nature};
-use thiserror::Error;
 use variables::FmuVariables;
 use variables::VariableRole::{Guess, Input, Output, Parameter, Sensed, State};
-
-/// Reason why an FMU cannot be made.
-#[derive(Clone, PartialEq, Debug, Error)]
-pub enum FmuError {
-    /// A part cannot be generated.
-    #[error(transparent)]
-    Generate(#[from] GenerateError),
-    /// The initial state has no motion.
-    #[error(transparent)]
-    Motion(#[from] MotionError),
-    /// A pass over the equations failed.
-    #[error("the passes failed: {0}")]
-    Passes(String),
-    /// The equations read an element that the model does not have.
-    #[error("the equations read {0}, which the model does not have")]
-    Element(String),
-    /// All joints are driven or depend on driven ones.
-    #[error("no joint of the model '{0}' moves freely")]
-    Motionless(String),
-}
 
 /// Files of an FMU.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -87,8 +66,8 @@ impl Fmu {
     ///
     /// # Errors
     ///
-    /// See [`FmuError`].
-    pub fn new(model: &Model, laws: &Laws, formulation: Formulation) -> Result<Fmu, FmuError> {
+    /// See [`MotionError`].
+    pub fn new(model: &Model, laws: &Laws, formulation: Formulation) -> Result<Fmu, MotionError> {
         let setting = EquationSetting {
             formulation,
             whole_step: true,
@@ -96,21 +75,16 @@ impl Fmu {
         };
         let (system, state) = MultibodySystem::new(model, laws.clone(), &setting)?;
         let partition = system.partition();
-        let row_cuts = if model.cuts.is_empty() {
-            Vec::new()
-        } else {
-            cuts_of_rows(model)?
-        };
         let signs = system.link_lengths().iter().map(|length| length.signum());
         let mut plan = FmuPlan {
             independent: sorted(&partition.independent),
             dependent: sorted(&partition.dependent),
-            row_cuts,
+            row_cuts: cuts_of_rows(model)?,
             link_signs: signs.collect(),
             watched: Vec::new(),
         };
         if plan.independent.is_empty() {
-            return Err(FmuError::Motionless(model.name.clone()));
+            return Err(GenerateError::Motionless(model.name.clone()).into());
         }
         let prescribed = prescribed(model, laws);
         let rows = plan.row_cuts.len();

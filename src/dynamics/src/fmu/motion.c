@@ -155,16 +155,19 @@ static void along_direction(Numbers *n)
 static double watch(const Numbers *n, unsigned event) { return n->x[events[event].slot] - events[event].value; }
 
 /* Notes on which side of their values the watched quantities are; true when one
-   that ends the run has passed its value since the last time. */
-static int watch_all(Numbers *n)
+   that ends the run has passed its value since the last time. An importer that
+   stops at an event may be just before it: in event mode it has passed when it is
+   as near as rounding allows. */
+static int watch_all(Numbers *n, int event_mode)
 {
     int stops = 0;
     for (unsigned k = 0; k < EVENTS; k++) {
         const double side = watch(n, k), before = n->watched[k];
-        const int rises = before < 0 && side > 0, falls = before > 0 && side < 0;
+        const double near = 1e-9 * (1 + fabs(events[k].value)), reach = event_mode ? near : 0;
+        const int rises = before < 0 && side > -reach, falls = before > 0 && side < reach;
         if (events[k].stops && ((rises && events[k].direction >= 0) || (falls && events[k].direction <= 0)))
             stops = 1;
-        if (side != 0)
+        if (fabs(side) > near)
             n->watched[k] = side;
     }
     return stops;
@@ -234,14 +237,14 @@ static void shorten(Instance *s, const Numbers *start, double step)
         Numbers *n = &s->n;
         *n = *start;
         attempt(s, middle);
-        if (watch_all(n))
+        if (watch_all(n, 0))
             to = middle;
         else
             from = middle;
     }
     s->n = *start;
     attempt(s, to);
-    watch_all(&s->n);
+    watch_all(&s->n, 0);
 }
 
 /* Integrates up to a time; 1 when it is reached, 2 when an event ends the run, 0
@@ -263,7 +266,7 @@ static int integrate(Instance *s, double until)
         if (ratio <= 1) {
             if (last)
                 n->x[AT_TIME] = until;
-            if (watch_all(n)) {
+            if (watch_all(n, 0)) {
                 shorten(s, start, step);
                 result = 2;
             }

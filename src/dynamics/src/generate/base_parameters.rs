@@ -4,9 +4,10 @@
 //! The columns of the regressor `Y` at random states are taken in their order.
 //! The *remainder* of a column is the part at right angles to all columns kept
 //! so far. A column that has one is kept. Any other is a combination of columns
-//! before it, so its parameter is added to theirs: `Y p = Yb K p` with the kept columns `Yb` (Gautier, "Numerical calculation of
-//! the base inertial parameters of robots", Journal of Robotic Systems 8,
-//! 1991). Columns and `K` are verified at other states. Loops are open.
+//! before it, so its parameter is added to theirs: `Y p = Yb K p` with the kept
+//! columns `Yb` (Gautier, "Numerical calculation of the base inertial parameters
+//! of robots", Journal of Robotic Systems 8, 1991). Columns and `K` are verified
+//! at other states. Loops are open.
 
 use super::grouping::GroupedInertia;
 use super::regressor::{MOMENTS, NUMBERS};

@@ -141,7 +141,7 @@ pub enum GenerateError {
         why: String,
     },
     /// There is no motion to linearise.
-    #[error("no joint of '{0}' moves freely")]
+    #[error("no joint of the model '{0}' moves freely")]
     Motionless(String),
     /// The equations cannot be differentiated.
     #[error("the accelerations cannot be differentiated: {0}")]
