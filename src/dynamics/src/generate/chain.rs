@@ -27,6 +27,11 @@ pub(super) struct ChainJoint {
     pub(super) axes: Matrix,
 }
 
+/// Column of the Jacobian of the end of a chain, or a derivative of one: the
+/// joint, and the velocity and the angular velocity that a unit of its velocity
+/// causes.
+pub(super) type JacobianColumn = (usize, Vector, Vector);
+
 /// A run of rotations about one axis.
 #[derive(Clone, Copy)]
 struct RotationRun {
@@ -99,14 +104,19 @@ impl Chain {
         chain
     }
 
-    fn label(&self, prefix: &'static str, component: usize, joint: usize) -> QuantityLabel {
+    pub(super) fn label(
+        &self,
+        prefix: &'static str,
+        component: usize,
+        joint: usize,
+    ) -> QuantityLabel {
         QuantityLabel {
             group: Some((self.suffix, self.number)),
             ..QuantityLabel::new(prefix, component, joint)
         }
     }
 
-    fn define(
+    pub(super) fn define(
         &self,
         equations: &mut Equations,
         prefix: &'static str,
@@ -209,13 +219,12 @@ impl Chain {
         self.steps.last().map_or(identity, |step| step.axes)
     }
 
-    /// For every joint, the velocity of the end and the angular velocity that
-    /// a unit of its velocity causes.
+    /// The columns of joints that move.
     pub(super) fn jacobian(
         &self,
         equations: &mut Equations,
         parameters: &ModelParameters<'_>,
-    ) -> Vec<(usize, Vector, Vector)> {
+    ) -> Vec<JacobianColumn> {
         let arms = self.arms(equations);
         let column = |(step, arm): (&ChainJoint, &Vector)| {
             if !parameters.is_revolute(step.joint) {
@@ -230,68 +239,6 @@ impl Chain {
         let moves = |step: &ChainJoint| !parameters.frames.is_constant(step.joint);
         let pairs = self.steps.iter().zip(&arms);
         pairs.filter(|(step, _)| moves(step)).map(column).collect()
-    }
-
-    /// The derivative of [`Chain::jacobian`] by time: an axis turns with the frame
-    /// that it is fixed to.
-    pub(super) fn jacobian_rate(
-        &self,
-        equations: &mut Equations,
-        parameters: &ModelParameters<'_>,
-    ) -> Vec<(usize, Vector, Vector)> {
-        let arms = self.arms(equations);
-        // From the base to the end: the angular velocity before each joint, the
-        // rate of its lever; then the rates of arms back from the end.
-        let mut angular = ZERO;
-        let mut turning = Vec::with_capacity(self.steps.len());
-        let mut levers = Vec::with_capacity(self.steps.len());
-        for step in &self.steps {
-            let (joint, rate) = (step.joint, parameters.qd[step.joint]);
-            let mut lever = sums();
-            add_cross(&mut lever, &angular, &step.lever, false);
-            turning.push(angular);
-            if parameters.is_revolute(joint) {
-                let mut sum = angular.map(Sum::of);
-                for k in 0..3 {
-                    sum[k].add(&[step.axis[k], rate]);
-                }
-                angular = self.define(equations, "OM", joint + 1, 0, sum);
-            } else {
-                for k in 0..3 {
-                    lever[k].add(&[step.axis[k], rate]);
-                }
-            }
-            levers.push(lever);
-        }
-        let mut end = sums();
-        add_cross(&mut end, &angular, &self.end, false);
-        let mut swing = self.define(equations, "PD", 0, 0, end);
-        let mut swings = vec![ZERO; self.steps.len()];
-        for (place, lever) in levers.into_iter().enumerate().rev() {
-            swings[place] = swing;
-            let mut sum = lever;
-            add_vector(&mut sum, &swing);
-            swing = self.define(equations, "PD", self.steps[place].joint + 1, 0, sum);
-        }
-        let mut columns = Vec::new();
-        for (place, step) in self.steps.iter().enumerate() {
-            if parameters.frames.is_constant(step.joint) {
-                continue;
-            }
-            let mut turned = sums();
-            add_cross(&mut turned, &turning[place], &step.axis, false);
-            let turned = self.define(equations, "AD", step.joint + 1, 0, turned);
-            if !parameters.is_revolute(step.joint) {
-                columns.push((step.joint, turned, ZERO));
-                continue;
-            }
-            let mut linear = sums();
-            add_cross(&mut linear, &turned, &arms[place], false);
-            add_cross(&mut linear, &step.axis, &swings[place], false);
-            let linear = self.define(equations, "JD", step.joint + 1, 0, linear);
-            columns.push((step.joint, linear, turned));
-        }
-        columns
     }
 
     /// Velocities and accelerations of the end for given velocities and

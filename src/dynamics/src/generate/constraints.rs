@@ -11,7 +11,7 @@
 
 use super::Options;
 use super::algebra::{Scalar, Sum};
-use super::chain::Chain;
+use super::chain::{Chain, JacobianColumn};
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{SparseRow, find_entry};
 use super::parameters::{ModelParameters, ParameterSource};
@@ -90,29 +90,14 @@ pub(super) fn rows(
     part: ConstraintPart,
 ) -> Vec<ConstraintRow> {
     let mut rows = Vec::new();
-    for (number, cut) in parameters.model.cuts.iter().enumerate() {
+    for number in 0..parameters.model.cuts.len() {
         let mut writer = ConstraintWriter {
             equations,
             parameters,
             part,
             number,
         };
-        if let CutKind::Coupling(coupling) = cut.kind {
-            rows.push(writer.coupling(&coupling));
-            continue;
-        }
-        let ends = writer.ends(cut, options);
-        match cut.kind {
-            CutKind::Ball => writer.ball(cut, &ends, &mut rows),
-            CutKind::Rod(_) => {
-                writer.rod(&ends, rod_length(parameters, number), options, &mut rows)
-            }
-            CutKind::Solid => {
-                writer.ball(cut, &ends, &mut rows);
-                writer.rotation(cut, &ends, &mut rows);
-            }
-            CutKind::Coupling(_) => {}
-        }
+        rows.extend(writer.rows(options));
     }
     rows.retain(|row| !row.jacobian.is_empty());
     rows
@@ -158,15 +143,43 @@ pub(super) fn place(
         .map_or(ZERO, |point| source.point(parameters.model, point))
 }
 
-struct ConstraintWriter<'e, 'p, 'm> {
-    equations: &'e mut Equations,
-    parameters: &'p ModelParameters<'m>,
-    part: ConstraintPart,
-    number: usize,
+/// Writer of the rows of one cut.
+pub(super) struct ConstraintWriter<'e, 'p, 'm> {
+    pub(super) equations: &'e mut Equations,
+    pub(super) parameters: &'p ModelParameters<'m>,
+    pub(super) part: ConstraintPart,
+    /// The cut, from 0.
+    pub(super) number: usize,
 }
 
 impl ConstraintWriter<'_, '_, '_> {
-    fn ends(&mut self, cut: &Cut, options: &Options) -> [Chain; 2] {
+    /// The rows, those that no joint changes included.
+    pub(super) fn rows(&mut self, options: &Options) -> Vec<ConstraintRow> {
+        let cut = &self.parameters.model.cuts[self.number];
+        let mut rows = Vec::new();
+        if let CutKind::Coupling(coupling) = cut.kind {
+            rows.push(self.coupling(&coupling));
+            return rows;
+        }
+        let ends = self.ends(options);
+        match cut.kind {
+            CutKind::Ball => self.ball(cut, &ends, &mut rows),
+            CutKind::Rod(_) => {
+                let length = rod_length(self.parameters, self.number);
+                self.rod(&ends, length, options, &mut rows);
+            }
+            CutKind::Solid => {
+                self.ball(cut, &ends, &mut rows);
+                self.rotation(cut, &ends, &mut rows);
+            }
+            CutKind::Coupling(_) => {}
+        }
+        rows
+    }
+
+    /// The chains to both ends.
+    pub(super) fn ends(&mut self, options: &Options) -> [Chain; 2] {
+        let cut = &self.parameters.model.cuts[self.number];
         let [first, second] = split(self.parameters, &cut.ends);
         let mut end = |side: usize, path: &[usize]| {
             let place = place(self.equations, self.parameters, options, &cut.ends[side]);
@@ -211,7 +224,7 @@ impl ConstraintWriter<'_, '_, '_> {
     }
 
     /// From the second end to the first.
-    fn span(&mut self, prefix: &'static str, ends: &[Chain; 2]) -> Vector {
+    pub(super) fn span(&mut self, prefix: &'static str, ends: &[Chain; 2]) -> Vector {
         let [one, other] = [0, 1].map(|side| ends[side].position_terms(self.equations));
         let label = |component| QuantityLabel::new(prefix, component, self.number + 1);
         define_as(self.equations, label, subtracted(one, &other))
@@ -223,9 +236,9 @@ impl ConstraintWriter<'_, '_, '_> {
     }
 
     /// The entries of a row of the Jacobian, one for each joint of either chain.
-    fn entries(
-        jacobians: &[Vec<(usize, Vector, Vector)>; 2],
-        pick: impl Fn(&(usize, Vector, Vector)) -> Scalar,
+    pub(super) fn entries(
+        jacobians: &[Vec<JacobianColumn>; 2],
+        pick: impl Fn(&JacobianColumn) -> Scalar,
     ) -> Vec<(usize, Scalar)> {
         let mut entries = Vec::new();
         for (side, jacobian) in jacobians.iter().enumerate() {

@@ -12,7 +12,6 @@ use hashbrown::HashTable;
 use robovec_ir::Boundary;
 use rustc_hash::FxBuildHasher;
 use smallvec::SmallVec;
-use std::collections::BTreeMap;
 use std::hash::BuildHasher;
 
 /// The name of a quantity in Robotran's manner: prefix, component, joint and
@@ -143,8 +142,6 @@ pub(super) struct Equations {
     /// Joints of the indices of arrays.
     pub(super) numbers_of_joints: JointNumbers,
     inputs: hashbrown::HashMap<(u32, [u32; 2]), u32, FxBuildHasher>,
-    /// Elements of inputs that are computed instead, by array and frame.
-    bound: BTreeMap<(String, [u32; 2]), Scalar>,
     numbers: hashbrown::HashMap<u64, u32, FxBuildHasher>,
     /// Hash, atom (with the sign that belongs to the key's) of every equation.
     known: HashTable<(u64, Scalar)>,
@@ -171,7 +168,6 @@ impl Equations {
             calls: Vec::new(),
             numbers_of_joints: JointNumbers::default(),
             inputs: hashbrown::HashMap::default(),
-            bound: BTreeMap::new(),
             numbers: hashbrown::HashMap::default(),
             known: HashTable::new(),
             keys: vec![(0, 0); Scalar::FIRST_ATOM as usize],
@@ -192,11 +188,6 @@ impl Equations {
     /// array counts joints. For a joint that moves against its axis the
     /// negative of the symbol; for a constant rotation nothing.
     pub(super) fn input(&mut self, array: &str, indices: &[usize]) -> Scalar {
-        if !self.bound.is_empty()
-            && let Some(&value) = self.bound.get(&(array.to_owned(), padded(indices)))
-        {
-            return value;
-        }
         let Some((padded, negative)) = self.numbers_of_joints.element(array, padded(indices))
         else {
             return Scalar::ZERO;
@@ -220,13 +211,6 @@ impl Equations {
         });
         self.inputs.insert((number, padded), atom);
         Scalar::of_atom(atom).negated_if(negative)
-    }
-
-    /// Lets a value replace an element of an input array, from now on; indices
-    /// as of [`Equations::input`].
-    pub(super) fn bind(&mut self, array: &str, indices: &[usize], value: Scalar) {
-        self.bound
-            .insert((array.to_owned(), padded(indices)), value);
     }
 
     pub(super) fn number(&mut self, number: f64) -> Scalar {

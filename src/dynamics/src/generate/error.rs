@@ -143,9 +143,6 @@ pub enum GenerateError {
     /// There is no motion to linearise.
     #[error("no joint of the model '{0}' moves freely")]
     Motionless(String),
-    /// The equations cannot be differentiated.
-    #[error("the accelerations cannot be differentiated: {0}")]
-    Derivative(String),
     /// The function would set nothing.
     #[error("the model '{model}' has no {lacks}: {function} would be empty")]
     Empty {

@@ -5,6 +5,7 @@
 //! ancestor of the other, so a tree's zeros stay zeros. Every entry is one
 //! sum over the joints eliminated before, which later passes may balance.
 
+use super::GenerateError;
 use super::algebra::{Scalar, Sum};
 use super::equations::{Equations, QuantityLabel};
 use robovec_model::Model;
@@ -47,6 +48,14 @@ pub(super) enum Stop {
     NoPivot(usize),
     /// It takes more than [`LIMIT`] products.
     TooLarge,
+}
+
+/// The error of a mass matrix whose elimination is too long.
+pub(super) fn too_large(model: &Model) -> GenerateError {
+    GenerateError::Elimination {
+        model: model.name.clone(),
+        limit: LIMIT,
+    }
 }
 
 /// Solves `M X = B` for a symmetric matrix given by the rows of its lower

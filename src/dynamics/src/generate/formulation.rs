@@ -212,7 +212,7 @@ pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), Ge
         && chosen != Formulation::Articulated
         && factor::products(model) > factor::LIMIT
     {
-        return Err(reduced::too_large(model));
+        return Err(factor::too_large(model));
     }
     let options = &request.options;
     let substituted = !options.true_angles || !options.small_angles.is_empty();
@@ -305,5 +305,5 @@ pub(super) fn accelerations(
     }
     direct(equations, parameters, request);
     let dynamics = MassAndBias::take(equations, parameters.joints());
-    reduced::accelerations(equations, parameters, &request.options, &dynamics)
+    reduced::accelerations(equations, parameters, &request.options, dynamics)
 }

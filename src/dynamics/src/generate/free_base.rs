@@ -54,8 +54,7 @@ const SUPPORTED: [FunctionKind; 8] = [
     FunctionKind::Regressor,
 ];
 
-/// Refuses models without a free base, functions that depend on its place, and
-/// derivatives along loops.
+/// Refuses models without a free base, and functions that depend on its place.
 pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), GenerateError> {
     let refused = |why: &str| {
         Err(GenerateError::Quaternion {
@@ -70,9 +69,6 @@ pub(super) fn check(model: &Model, request: &GenerationRequest) -> Result<(), Ge
             "{} is not among its functions, which are {names}",
             function.name()
         ));
-    }
-    if function == FunctionKind::AccelD && !model.cuts.is_empty() {
-        return refused("accel_d closes loops with yaw, pitch and roll only; dirdyna_d does not");
     }
     let is_free = model.bodies.first().is_some_and(|body| {
         let joints = &model.joints[body.joints.clone()];

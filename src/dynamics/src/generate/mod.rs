@@ -17,6 +17,7 @@ mod base_parameters;
 mod bias;
 mod blocks;
 mod chain;
+mod chain_rates;
 mod closing;
 mod columns;
 mod composite;
@@ -39,6 +40,8 @@ mod joint_arrays;
 mod linearised;
 mod link;
 mod loads;
+mod loop_motion;
+mod loop_rates;
 mod lower;
 mod massless;
 mod named_frame;
@@ -331,14 +334,11 @@ pub fn generate_into(
         columns: request.options.base_columns.len() as u32,
     };
     for (case, equations) in written.iter().enumerate() {
-        let function = head(model, request, case);
+        let function = head(model, request, case)?;
         lower::lower(equations, &extents, function, module);
     }
     debug_assert!(is_valid(module), "every generated function is valid");
-    match request.function {
-        FunctionKind::AccelD | FunctionKind::Linear => linearised::finish(module, model, request),
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 /// Writes the equations of a function, or of one case of a function of sensors
@@ -376,9 +376,10 @@ fn write(
         FunctionKind::LoopVelocities => closing::velocities(equations, parameters, options)?,
         FunctionKind::InvdynaD => derivative::inverse(equations, parameters, options),
         FunctionKind::DirdynaD => sensitivity::forward(equations, parameters, options)?,
-        FunctionKind::AccelD | FunctionKind::Linear => {
-            linearised::write(equations, frames, parameters, request)?;
+        FunctionKind::AccelD => {
+            linearised::derivatives(equations, parameters, request)?.output(equations);
         }
+        FunctionKind::Linear => linearised::write(equations, frames, parameters, request)?,
         FunctionKind::Minv => sensitivity::inverse(equations, parameters, options)?,
         FunctionKind::Regressor => regressor::write(equations, parameters, options),
         FunctionKind::Frame => named_frame::write(equations, parameters, case),
@@ -389,7 +390,11 @@ fn write(
 }
 
 /// A function without equations.
-fn head(model: &Model, request: &GenerationRequest, case: usize) -> Function {
+fn head(
+    model: &Model,
+    request: &GenerationRequest,
+    case: usize,
+) -> Result<Function, GenerateError> {
     let mut name = request.function.name().to_owned();
     let mut metadata = metadata(model, request);
     if matches!(
@@ -404,9 +409,13 @@ fn head(model: &Model, request: &GenerationRequest, case: usize) -> Function {
         name = named_frame::function_name(model, case);
         metadata.push(("frame".to_owned(), model.frames[case].name.clone()));
     }
+    if request.function == FunctionKind::Linear {
+        let state = linearised::state(model, request)?;
+        metadata.push(("state".to_owned(), state));
+    }
     let mut function = Function::new(&name, Level::Equations);
     function.metadata = metadata;
-    function
+    Ok(function)
 }
 
 /// Origin of the equations, for their readers.

@@ -60,19 +60,14 @@ pub(super) struct OriginInertia {
 }
 
 /// The parameters that a function is made of. With numbers they may be moved
-/// from body to body, save where a regressor asks for each or where loops are
-/// closed.
+/// from body to body, save where a regressor asks for each.
 pub(super) fn of<'m>(
     frames: &'m ModelFrames<'m>,
     request: &GenerationRequest,
     equations: &mut Equations,
 ) -> ModelParameters<'m> {
     let (function, options) = (request.function, &request.options);
-    let moves = match function {
-        FunctionKind::Regressor => false,
-        FunctionKind::AccelD | FunctionKind::Linear => frames.source.cuts.is_empty(),
-        _ => function.is_derived(),
-    };
+    let moves = function.is_derived() && function != FunctionKind::Regressor;
     if moves && options.parameters == ParameterBinding::Numbers {
         ModelParameters::grouped(frames, options, equations)
     } else {

@@ -19,16 +19,16 @@ use super::roles::JointRoles;
 use robovec_model::Nature;
 
 /// Balance that the forces at each joint follow from.
-pub(super) struct ForceBalance<'a> {
+pub(super) struct ForceBalance {
     /// `c` of all joints.
-    pub(super) bias: &'a [Scalar],
+    pub(super) bias: Vec<Scalar>,
     /// `Qq - c` of joints that are not driven, minus the forces for given
     /// accelerations.
-    pub(super) forces: &'a [Scalar],
+    pub(super) forces: Vec<Scalar>,
     /// `qdd` of all joints.
-    pub(super) accelerations: &'a [Scalar],
+    pub(super) accelerations: Vec<Scalar>,
     /// The user's rows with their multipliers.
-    pub(super) user: (&'a [ConstraintRow], &'a [Scalar]),
+    pub(super) user: Vec<(ConstraintRow, Scalar)>,
 }
 
 /// Writes the multipliers, and the forces of driven joints.
@@ -36,29 +36,30 @@ pub(super) fn write(
     reduction: &mut CoordinateReduction<'_, '_, '_>,
     roles: &JointRoles,
     loops: &DependentAccelerations,
-    balance: &ForceBalance<'_>,
+    balance: &ForceBalance,
 ) -> Result<(), GenerateError> {
-    let (user, of_user) = balance.user;
     let solution = of_loops(reduction, roles, loops, balance)?;
     assert_eq!(solution.len(), roles.rows.len(), "one multiplier per row");
-    assert_eq!(
-        user.len(),
-        of_user.len(),
-        "one multiplier per row of the user"
-    );
     for (&multiplier, &number) in solution.iter().zip(&roles.rows) {
         reduction
             .equations
             .output("Lambda", &[number + 1], multiplier);
     }
     let behind = loops.all;
-    for (number, &multiplier) in of_user.iter().enumerate() {
+    for (number, (_, multiplier)) in balance.user.iter().enumerate() {
         reduction
             .equations
-            .output("Lambda", &[behind + number + 1], multiplier);
+            .output("Lambda", &[behind + number + 1], *multiplier);
     }
-    let rows = loops.rows.iter().zip(&solution);
-    let rows: Vec<(&ConstraintRow, &Scalar)> = rows.chain(user.iter().zip(of_user)).collect();
+    let rows = loops.rows.iter().zip(solution);
+    let rows: Vec<(&ConstraintRow, Scalar)> = rows
+        .chain(
+            balance
+                .user
+                .iter()
+                .map(|(row, multiplier)| (row, *multiplier)),
+        )
+        .collect();
     for joint in 0..balance.bias.len() {
         if reduction.parameters.model.joints[joint].nature != Nature::Driven {
             continue;
@@ -69,7 +70,7 @@ pub(super) fn write(
         }
         let force = reduction.equations.input("Qq", &[joint + 1]);
         sum.subtract(&[force]);
-        for &(row, &multiplier) in &rows {
+        for &(row, multiplier) in &rows {
             sum.subtract(&[row.entry(joint), multiplier]);
         }
         let label = QuantityLabel::new("Qcd", 0, joint + 1);
@@ -80,11 +81,11 @@ pub(super) fn write(
 }
 
 /// The multipliers of the loops, in the order of their pivots.
-fn of_loops(
+pub(super) fn of_loops(
     reduction: &mut CoordinateReduction<'_, '_, '_>,
     roles: &JointRoles,
     loops: &DependentAccelerations,
-    balance: &ForceBalance<'_>,
+    balance: &ForceBalance,
 ) -> Result<Vec<Scalar>, GenerateError> {
     let v = &roles.dependent;
     let mut rows: Vec<SparseRow> = vec![SparseRow::new(); v.len()];
@@ -93,7 +94,6 @@ fn of_loops(
             rows[column].push((number, value));
         }
     }
-    let (user, multipliers) = balance.user;
     for (place, &joint) in v.iter().enumerate() {
         let mut sum = Sum::new();
         for (other, &acceleration) in balance.accelerations.iter().enumerate() {
@@ -103,8 +103,8 @@ fn of_loops(
             }
         }
         sum.subtract(&[balance.forces[joint]]);
-        for (row, &multiplier) in user.iter().zip(multipliers) {
-            sum.subtract(&[row.entry(joint), multiplier]);
+        for (row, multiplier) in &balance.user {
+            sum.subtract(&[row.entry(joint), *multiplier]);
         }
         let label = QuantityLabel::new("FMl", 0, joint + 1);
         let value = reduction.equations.define(label, sum);

@@ -22,35 +22,91 @@
 //! fail. How loops are solved, and where that needs pivots: [`super::blocks`].
 
 use super::algebra::Scalar;
-use super::reduction::{CoordinateReduction, sorted};
-
 use super::composite::MassAndBias;
 use super::equations::Equations;
-use super::factor::{LIMIT, Stop, solve_symmetric};
-use super::massless::massless_joints;
+use super::massless::{MasslessJoint, massless_joints};
 use super::parameters::ModelParameters;
 use super::reactions::{self, ForceBalance};
+use super::reduction::{CoordinateReduction, DependentAccelerations, ReducedSystem, sorted};
 use super::roles::JointRoles;
 use super::user_constraints::BoundAccelerations;
 use super::{GenerateError, Options};
-use robovec_model::{Model, Nature};
+use robovec_model::Nature;
+
+/// Accelerations, and the equations that they are the solution of.
+pub(super) struct ReducedMotion<'e, 'p, 'm> {
+    pub(super) reduction: CoordinateReduction<'e, 'p, 'm>,
+    pub(super) roles: JointRoles,
+    pub(super) loops: DependentAccelerations,
+    pub(super) system: ReducedSystem,
+    pub(super) balance: ForceBalance,
+}
+
+impl<'e, 'p, 'm> ReducedMotion<'e, 'p, 'm> {
+    /// Solves for the accelerations of all joints, in roles at a state of the
+    /// model. `massless` are joints whose accelerations only rows of the user
+    /// determine.
+    pub(super) fn new(
+        equations: &'e mut Equations,
+        parameters: &'p ModelParameters<'m>,
+        options: &Options,
+        dynamics: MassAndBias,
+        (roles, massless): (JointRoles, &[MasslessJoint]),
+    ) -> Result<Self, GenerateError> {
+        let model = parameters.model;
+        let mut reduction = CoordinateReduction {
+            equations,
+            parameters,
+            masses: dynamics.mass.iter().map(|row| sorted(row)).collect(),
+            given: vec![Scalar::ZERO; model.joints.len()],
+        };
+        let roles = roles.framed(parameters.frames);
+        for joint in 0..model.joints.len() {
+            if model.joints[joint].nature == Nature::Driven {
+                reduction.given[joint] = parameters.acceleration(reduction.equations, joint);
+            }
+        }
+        let loops = reduction.loops(&roles, options)?;
+        let forces: Vec<Scalar> = (0..model.joints.len())
+            .map(|joint| reduction.residual(joint, dynamics.bias[joint]))
+            .collect();
+        let mut system = reduction.reduced(&roles, &loops, &forces);
+        let mut user = reduction.user(&roles, &loops, options);
+        user.add_massless(reduction.equations, massless, &mut system.rows);
+        let mut sides = vec![system.right.clone()];
+        sides.extend(user.reduced.matrix.iter().cloned());
+        let joints = (model, &roles.free[..]);
+        let mut solutions = system.solve(reduction.equations, joints, &sides)?;
+        let forced = solutions.split_off(1);
+        let unbound = solutions.pop().expect("the forces are the first side");
+        let multipliers = user.multipliers(reduction.equations, &unbound, &forced, options.growth);
+        let solution =
+            BoundAccelerations::bound(reduction.equations, &unbound, &forced, &multipliers);
+        let accelerations = reduction.accelerations(&roles, &loops, &solution);
+        Ok(ReducedMotion {
+            reduction,
+            roles,
+            loops,
+            system,
+            balance: ForceBalance {
+                bias: dynamics.bias,
+                forces,
+                accelerations,
+                user: user.rows.into_iter().zip(multipliers).collect(),
+            },
+        })
+    }
+}
 
 /// Writes `qdd`.
 pub(super) fn accelerations(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,
     options: &Options,
-    dynamics: &MassAndBias,
+    dynamics: MassAndBias,
 ) -> Result<(), GenerateError> {
-    let model = parameters.model;
-    let mut reduction = CoordinateReduction {
-        equations,
-        parameters,
-        masses: dynamics.mass.iter().map(|row| sorted(row)).collect(),
-        given: vec![Scalar::ZERO; model.joints.len()],
-    };
-    let frames = parameters.frames;
-    let roles = JointRoles::of_loops(frames.source)?;
+    let source = parameters.frames.source;
+    let roles = JointRoles::of_loops(source)?;
     if options.user_constraints > roles.free.len() {
         return Err(GenerateError::UserConstraints {
             rows: options.user_constraints,
@@ -58,50 +114,18 @@ pub(super) fn accelerations(
             of_loops: roles.dependent.len(),
         });
     }
-    let massless = massless_joints(frames.source, &roles, options)?;
-    let partition = roles.framed(frames);
-    for joint in 0..model.joints.len() {
-        if model.joints[joint].nature == Nature::Driven {
-            reduction.given[joint] = parameters.acceleration(reduction.equations, joint);
-        }
+    let massless = massless_joints(source, &roles, options)?;
+    let mut motion =
+        ReducedMotion::new(equations, parameters, options, dynamics, (roles, &massless))?;
+    for (joint, &value) in motion.balance.accelerations.iter().enumerate() {
+        motion
+            .reduction
+            .equations
+            .output("qdd", &[joint + 1], value);
     }
-    let loops = reduction.loops(&partition, options)?;
-    let forces: Vec<Scalar> = (0..model.joints.len())
-        .map(|joint| reduction.residual(joint, dynamics.bias[joint]))
-        .collect();
-    let (mut rows, right) = reduction.reduced(&partition, &loops, &forces);
-    let mut user = reduction.user(&partition, &loops, options);
-    user.add_massless(reduction.equations, &massless, &mut rows);
-    let mut sides = vec![right];
-    sides.extend(user.reduced.matrix.iter().cloned());
-    let joints = &partition.free;
-    let mut solutions =
-        solve_symmetric(reduction.equations, &rows, &sides, joints).map_err(|stop| match stop {
-            Stop::NoPivot(place) => GenerateError::singular(model, [joints[place]]),
-            Stop::TooLarge => too_large(model),
-        })?;
-    let forced = solutions.split_off(1);
-    let unbound = solutions.pop().expect("the forces are the first side");
-    let growth = options.growth;
-    let multipliers = user.multipliers(reduction.equations, &unbound, &forced, growth);
-    let solution = BoundAccelerations::bound(reduction.equations, &unbound, &forced, &multipliers);
-    let accelerations = reduction.output(&partition, &loops, &solution);
     if options.multipliers {
-        let balance = ForceBalance {
-            bias: &dynamics.bias,
-            forces: &forces,
-            accelerations: &accelerations,
-            user: (&user.rows, &multipliers[..user.rows.len()]),
-        };
-        reactions::write(&mut reduction, &partition, &loops, &balance)?;
+        let reduction = &mut motion.reduction;
+        reactions::write(reduction, &motion.roles, &motion.loops, &motion.balance)?;
     }
     Ok(())
-}
-
-/// The error of a mass matrix whose elimination is too long.
-pub(super) fn too_large(model: &Model) -> GenerateError {
-    GenerateError::Elimination {
-        model: model.name.clone(),
-        limit: LIMIT,
-    }
 }

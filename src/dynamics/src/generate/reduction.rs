@@ -5,12 +5,12 @@ use super::algebra::{Scalar, Sum};
 use super::blocks::solve_blocks;
 use super::constraints::{self, ConstraintPart, ConstraintRow};
 use super::equations::{Equations, QuantityLabel};
-use super::factor::{SparseRow, entry};
+use super::factor::{SparseRow, Stop, entry, solve_symmetric, too_large};
 use super::parameters::ModelParameters;
 use super::roles::JointRoles;
 use super::user_constraints::{self, BoundAccelerations, DependentJoints, ReducedRows};
 use super::{GenerateError, Options};
-use robovec_model::Nature;
+use robovec_model::{Model, Nature};
 
 pub(super) struct CoordinateReduction<'e, 'p, 'm> {
     pub(super) equations: &'e mut Equations,
@@ -28,8 +28,32 @@ pub(super) struct DependentAccelerations {
     pub(super) rows: Vec<ConstraintRow>,
     /// Number of rows, redundant ones included.
     pub(super) all: usize,
-    matrix: Vec<SparseRow>,
+    pub(super) matrix: Vec<SparseRow>,
     rest: Vec<Scalar>,
+}
+
+/// Equations of the free joints, `Mr x = right`.
+pub(super) struct ReducedSystem {
+    /// The lower triangle of `Mr`.
+    pub(super) rows: Vec<SparseRow>,
+    pub(super) right: Vec<Scalar>,
+    /// `Mvu + Mvv B`, a row for each dependent joint.
+    pub(super) inner: Vec<Vec<Scalar>>,
+}
+
+impl ReducedSystem {
+    /// Solves `Mr X = sides` for the free joints of a model.
+    pub(super) fn solve(
+        &self,
+        equations: &mut Equations,
+        (model, free): (&Model, &[usize]),
+        sides: &[Vec<Scalar>],
+    ) -> Result<Vec<Vec<Scalar>>, GenerateError> {
+        solve_symmetric(equations, &self.rows, sides, free).map_err(|stop| match stop {
+            Stop::NoPivot(place) => GenerateError::singular(model, [free[place]]),
+            Stop::TooLarge => too_large(model),
+        })
+    }
 }
 
 impl CoordinateReduction<'_, '_, '_> {
@@ -70,26 +94,27 @@ impl CoordinateReduction<'_, '_, '_> {
             options,
             ConstraintPart::Acceleration,
         );
-        let mut rows = Vec::with_capacity(v.len());
-        for &number in &partition.rows {
-            let constraint = &constraints[number];
-            let mut row = constraint.dependent_entries(v);
+        let rows: Vec<ConstraintRow> = partition
+            .rows
+            .iter()
+            .map(|&row| constraints[row].clone())
+            .collect();
+        let mut right = Vec::with_capacity(v.len());
+        for (constraint, &number) in rows.iter().zip(&partition.rows) {
             let mut rest = Sum::of(constraint.jdqd);
+            let mut row = SparseRow::new();
             for &(joint, value) in &constraint.jacobian {
                 rest.add(&[value, self.given[joint]]);
                 if let Ok(place) = u.binary_search(&joint) {
-                    row.push((v.len() + place, value));
+                    row.push((place, value));
                 }
             }
             let label = QuantityLabel::new("bp", 0, number + 1);
-            row.push((v.len() + u.len(), self.equations.define(label, rest)));
-            row.retain(|(_, value)| !value.is_zero());
-            row.sort_unstable_by_key(|&(column, _)| column);
-            rows.push(row);
+            row.push((u.len(), self.equations.define(label, rest)));
+            right.push(row);
         }
         let names = ["Jvlu", "Jvl", "Jvi", "Jvx", "Bvx"];
-        let solution = solve_blocks(self.equations, names, &rows, u.len() + 1)
-            .map_err(|place| GenerateError::singular(self.parameters.model, [v[place]]))?;
+        let solution = self.solve_loops(names, (&rows, v), &right, u.len() + 1)?;
         let rest = solution.iter().map(|row| -entry(row, u.len())).collect();
         let column =
             |&(column, value): &(usize, Scalar)| (column < u.len()).then_some((column, -value));
@@ -99,14 +124,33 @@ impl CoordinateReduction<'_, '_, '_> {
             .collect();
         Ok(DependentAccelerations {
             all: constraints.len(),
-            rows: partition
-                .rows
-                .iter()
-                .map(|&row| constraints[row].clone())
-                .collect(),
+            rows,
             matrix,
             rest,
         })
+    }
+
+    /// The solution of `Jv X = right` for rows of the loops and the joints that
+    /// follow from them, both in the order of pivots.
+    pub(super) fn solve_loops(
+        &mut self,
+        names: [&'static str; 5],
+        (rows, dependent): (&[ConstraintRow], &[usize]),
+        right: &[SparseRow],
+        sides: usize,
+    ) -> Result<Vec<SparseRow>, GenerateError> {
+        let whole = rows.iter().zip(right).map(|(row, right)| {
+            let mut whole = row.dependent_entries(dependent);
+            whole.extend(
+                right
+                    .iter()
+                    .map(|&(side, value)| (dependent.len() + side, value)),
+            );
+            sorted(&whole)
+        });
+        let whole: Vec<SparseRow> = whole.collect();
+        solve_blocks(self.equations, names, &whole, sides)
+            .map_err(|place| GenerateError::singular(self.parameters.model, [dependent[place]]))
     }
 
     /// The rows that the user computes, in accelerations of free joints.
@@ -139,13 +183,13 @@ impl CoordinateReduction<'_, '_, '_> {
         BoundAccelerations::of_user(rows, reduced)
     }
 
-    /// The lower triangle of `Mr`, and the right side.
+    /// The equations of the free joints.
     pub(super) fn reduced(
         &mut self,
         partition: &JointRoles,
         loops: &DependentAccelerations,
         forces: &[Scalar],
-    ) -> (Vec<SparseRow>, Vec<Scalar>) {
+    ) -> ReducedSystem {
         let (u, v) = (&partition.free, &partition.dependent);
         // Mvu + Mvv B, and f_v - Mvv b.
         let mut inner: Vec<Vec<Scalar>> = Vec::with_capacity(v.len());
@@ -199,11 +243,11 @@ impl CoordinateReduction<'_, '_, '_> {
             let row: SparseRow = named.collect();
             rows.push(sorted(&row));
         }
-        (rows, right)
+        ReducedSystem { rows, right, inner }
     }
 
-    /// Sets the accelerations of all joints.
-    pub(super) fn output(
+    /// The accelerations of all joints.
+    pub(super) fn accelerations(
         &mut self,
         partition: &JointRoles,
         loops: &DependentAccelerations,
@@ -226,9 +270,6 @@ impl CoordinateReduction<'_, '_, '_> {
             accelerations[joint] = self
                 .equations
                 .define(QuantityLabel::new("qppv", 0, joint + 1), sum);
-        }
-        for (joint, &value) in accelerations.iter().enumerate() {
-            self.equations.output("qdd", &[joint + 1], value);
         }
         accelerations
     }

@@ -1,128 +1,255 @@
 //! Change of accelerations: the inverse of the mass matrix, and the derivatives
-//! of forward dynamics.
+//! of forward dynamics, with closed loops or without.
 //!
-//! `M(q) qdd + c(q, qd) = Qq` holds for all changes, so that with the
-//! derivatives of the forces of inverse dynamics at these accelerations
+//! `M qdd + c = Qq + J^T lambda` and `J qdd + Jd qd = 0` hold for all changes of
+//! the motion that keep loops closed, `J dq = 0`. Its derivatives by time are
 //!
 //! ```text
-//! qdd_q = -M^-1 Qq_q      qdd_qd = -M^-1 Qq_qd      qdd_Qq = M^-1
+//! J dqd + Jd dq = 0        J dqdd + 2 Jd dqd + Jdd dq = 0
 //! ```
 //!
-//! `M` is eliminated once, in the order that keeps a tree's zeros, and solved
+//! so that a change of the independent joints (u) and of the driven joints gives
+//! those of the dependent joints (v), and all of `dqdd_v` but `B dqdd_u`. With the
+//! derivatives `Qq_q` and `Qq_qd` of inverse dynamics at these accelerations, and
+//! with `T = [1; B]`, the multipliers drop out:
+//!
+//! ```text
+//! r = (Qq_q - (J^T lambda)_q) dq + Qq_qd dqd
+//! Mr dqdd_u = -T^T (r + M [0; dqdd_v - B dqdd_u])      qdd_Qq = T Mr^-1 T^T
+//! ```
+//!
+//! `Mr` is eliminated once, in the order that keeps a tree's zeros, and solved
 //! for every column: an inverse that is multiplied would take no fewer
-//! operations for a chain and more for a tree. Driven joints move as
-//! prescribed: they have columns, and the changes of their accelerations
-//! are zero. Loops are not closed here.
+//! operations for a chain and more for a tree. Driven joints move as prescribed:
+//! they have columns, and the changes of their accelerations are zero.
 
-use super::algebra::Scalar;
-use super::composite::{self, MassAndBias};
+use super::algebra::{Scalar, Sum};
+use super::composite;
 use super::derivative::{ForceDerivatives, JointEntry, output};
-use super::equations::Equations;
-use super::factor::find_entry;
-use super::factor::{SparseRow, Stop, solve_symmetric};
+use super::equations::{Equations, QuantityLabel};
+use super::factor::{SparseRow, entry};
+use super::loop_motion::{MotionSlope, product};
+use super::massless::massless_joints;
 use super::parameters::ModelParameters;
-use super::reduced::too_large;
-use super::reduction::residual_input;
+use super::reduced::ReducedMotion;
+use super::roles::JointRoles;
 use super::{GenerateError, Options};
 use robovec_model::Nature;
+use std::collections::BTreeMap;
 
-/// The mass matrix of the joints that are not driven.
-struct FreeMasses {
-    /// These joints, ascending.
-    joints: Vec<usize>,
-    /// The lower triangle, by rows; columns are places in the list.
-    rows: Vec<SparseRow>,
+/// The derivatives of all accelerations (rows).
+pub(super) struct AccelerationDerivatives {
+    pub(super) by_position: Vec<JointEntry>,
+    pub(super) by_velocity: Vec<JointEntry>,
+    pub(super) by_force: Vec<JointEntry>,
 }
 
-impl FreeMasses {
-    fn new(parameters: &ModelParameters<'_>, dynamics: &MassAndBias) -> FreeMasses {
-        let all = &parameters.model.joints;
-        let joints: Vec<usize> = (0..all.len())
-            .filter(|&joint| all[joint].nature != Nature::Driven)
-            .collect();
-        let row = |&joint: &usize| {
-            let entries = dynamics.mass[joint].iter();
-            let mut row: SparseRow = entries
-                .filter(|(_, value)| !value.is_zero())
-                .filter_map(|&(column, value)| Some((joints.binary_search(&column).ok()?, value)))
-                .collect();
-            row.sort_unstable_by_key(|&(column, _)| column);
-            row
-        };
-        FreeMasses {
-            rows: joints.iter().map(row).collect(),
-            joints,
-        }
-    }
-
-    fn solve(
-        &self,
+impl AccelerationDerivatives {
+    /// Writes the derivatives with closed loops, for joints that determine the
+    /// others at the closed initial state.
+    pub(super) fn new(
         equations: &mut Equations,
         parameters: &ModelParameters<'_>,
-        sides: &[Vec<Scalar>],
-    ) -> Result<Vec<Vec<Scalar>>, GenerateError> {
-        let model = parameters.model;
-        solve_symmetric(equations, &self.rows, sides, &self.joints).map_err(|stop| match stop {
-            Stop::NoPivot(place) => GenerateError::singular(model, [self.joints[place]]),
-            Stop::TooLarge => too_large(model),
+        options: &Options,
+    ) -> Result<AccelerationDerivatives, GenerateError> {
+        let source = parameters.frames.source;
+        let roles = JointRoles::of_loops(source)?;
+        // None is left without rows of the user.
+        massless_joints(source, &roles, options)?;
+        AccelerationDerivatives::at(equations, parameters, options, roles)
+    }
+
+    fn at(
+        equations: &mut Equations,
+        parameters: &ModelParameters<'_>,
+        options: &Options,
+        roles: JointRoles,
+    ) -> Result<AccelerationDerivatives, GenerateError> {
+        let dynamics = composite::dynamics(equations, parameters, options);
+        let roles = (roles, &[][..]);
+        let mut motion = ReducedMotion::new(equations, parameters, options, dynamics, roles)?;
+        let rates = motion.loop_rates(options)?;
+        let mut accelerations = motion.balance.accelerations.clone();
+        for &joint in motion.roles.free.iter().chain(&motion.roles.dependent) {
+            let own = accelerations[joint];
+            accelerations[joint] = parameters.with_resting(motion.reduction.equations, joint, own);
+        }
+        let equations = &mut *motion.reduction.equations;
+        let found = ForceDerivatives::new(equations, parameters, options, &accelerations);
+        let against = rates.stiffness.iter();
+        let against = against.map(|&(row, column, value)| (row, column, -value));
+        let by_position = found.by_position.iter().copied().chain(against);
+        let slopes = [
+            ("RQ", by_position.collect::<Vec<JointEntry>>()),
+            ("RV", found.by_velocity),
+        ];
+        let slopes = slopes.map(|(name, entries)| added(equations, name, &entries));
+        let [by_position, by_velocity] = motion.changes(&rates)?;
+        Ok(AccelerationDerivatives {
+            by_position: motion.answer(["RP", "FP"], &slopes, &by_position)?,
+            by_velocity: motion.answer(["RW", "FW"], &slopes, &by_velocity)?,
+            by_force: motion.inverse()?,
         })
     }
 
-    /// `M^-1`.
-    fn inverse(
-        &self,
-        equations: &mut Equations,
-        parameters: &ModelParameters<'_>,
+    /// Sets `qdd_q`, `qdd_qd` and `qdd_Qq`.
+    pub(super) fn output(&self, equations: &mut Equations) {
+        output(equations, "qdd_q", &self.by_position);
+        output(equations, "qdd_qd", &self.by_velocity);
+        output(equations, "qdd_Qq", &self.by_force);
+    }
+}
+
+/// Entries by row, those of one place added.
+fn added(
+    equations: &mut Equations,
+    name: &'static str,
+    entries: &[JointEntry],
+) -> BTreeMap<usize, SparseRow> {
+    let mut sums: BTreeMap<(usize, usize), Sum> = BTreeMap::new();
+    for &(row, column, value) in entries {
+        sums.entry((row, column)).or_default().add(&[value]);
+    }
+    let mut rows: BTreeMap<usize, SparseRow> = BTreeMap::new();
+    for ((row, column), sum) in sums {
+        let label = QuantityLabel::new(name, 0, row + 1).column(column + 1);
+        let value = equations.define(label, sum);
+        rows.entry(row).or_default().push((column, value));
+    }
+    rows
+}
+
+impl ReducedMotion<'_, '_, '_> {
+    /// The changes of accelerations with those of the motion, by the derivatives
+    /// of forces by positions and by velocities.
+    fn answer(
+        &mut self,
+        [force, side]: [&'static str; 2],
+        slopes: &[BTreeMap<usize, SparseRow>; 2],
+        changes: &[MotionSlope],
     ) -> Result<Vec<JointEntry>, GenerateError> {
-        let count = self.joints.len();
+        let (free, dependent) = (&self.roles.free, &self.roles.dependent);
+        let equations = &mut *self.reduction.equations;
+        let empty = SparseRow::new();
+        let mut sides = Vec::with_capacity(changes.len());
+        for change in changes {
+            let mut forced = |joint: usize| {
+                let [position, velocity] =
+                    [0, 1].map(|kind: usize| slopes[kind].get(&joint).unwrap_or(&empty));
+                let mut sum = product(position, &change.position);
+                sum.add_sum(&product(velocity, &change.velocity));
+                let label = QuantityLabel::new(force, 0, joint + 1).column(change.joint + 1);
+                equations.define(label, sum)
+            };
+            let mut sums: Vec<Sum> = free.iter().map(|&joint| Sum::of(-forced(joint))).collect();
+            for (place, &joint) in dependent.iter().enumerate() {
+                let value = forced(joint);
+                for &(column, slope) in &self.loops.matrix[place] {
+                    sums[column].subtract(&[slope, value]);
+                }
+                let rest = entry(&change.rest, place);
+                for (sum, &inner) in sums.iter_mut().zip(&self.system.inner[place]) {
+                    sum.subtract(&[inner, rest]);
+                }
+            }
+            let named = sums.into_iter().zip(free).map(|(sum, joint)| {
+                let label = QuantityLabel::new(side, 0, joint + 1).column(change.joint + 1);
+                equations.define(label, sum)
+            });
+            sides.push(named.collect::<Vec<Scalar>>());
+        }
+        let moved = |side: &Vec<Scalar>| side.iter().any(|value| !value.is_zero());
+        let kept: Vec<bool> = sides.iter().map(moved).collect();
+        sides.retain(moved);
+        let joints = (self.reduction.parameters.model, &free[..]);
+        let mut solutions = self.system.solve(equations, joints, &sides)?.into_iter();
+        let mut entries = Vec::new();
+        for (change, kept) in changes.iter().zip(kept) {
+            let solution = match kept {
+                true => solutions.next().expect("one solution per side"),
+                false => vec![Scalar::ZERO; free.len()],
+            };
+            let rows = free.iter().copied().zip(solution.iter().copied());
+            entries.extend(rows.map(|(row, value)| (row, change.joint, value)));
+            for (place, &joint) in dependent.iter().enumerate() {
+                let mut sum = Sum::of(entry(&change.rest, place));
+                for &(column, slope) in &self.loops.matrix[place] {
+                    sum.add(&[slope, solution[column]]);
+                }
+                let label = QuantityLabel::new("dqp", 0, joint + 1).column(change.joint + 1);
+                entries.push((joint, change.joint, equations.define(label, sum)));
+            }
+        }
+        entries.retain(|(_, _, value)| !value.is_zero());
+        Ok(entries)
+    }
+
+    /// `T Mr^-1 T^T`.
+    fn inverse(&mut self) -> Result<Vec<JointEntry>, GenerateError> {
+        let (free, dependent) = (&self.roles.free, &self.roles.dependent);
+        let equations = &mut *self.reduction.equations;
         let side = |place: usize| {
-            let mut side = vec![Scalar::ZERO; count];
+            let mut side = vec![Scalar::ZERO; free.len()];
             side[place] = Scalar::ONE;
             side
         };
-        let sides: Vec<Vec<Scalar>> = (0..count).map(side).collect();
-        let columns = self.solve(equations, parameters, &sides)?;
+        let sides: Vec<Vec<Scalar>> = (0..free.len()).map(side).collect();
+        let joints = (self.reduction.parameters.model, &free[..]);
+        let columns = self.system.solve(equations, joints, &sides)?;
+        // The solution begins where the side does: below is the less work.
+        let own = |row: usize, column: usize| columns[row.min(column)][row.max(column)];
         let mut entries = Vec::new();
-        for (row, &joint) in self.joints.iter().enumerate() {
-            for (column, &other) in self.joints.iter().enumerate() {
-                // The solution begins where the side does: below is the less work.
-                let value = columns[row.min(column)][row.max(column)];
-                if !value.is_zero() {
+        for (row, &joint) in free.iter().enumerate() {
+            for (column, &other) in free.iter().enumerate() {
+                entries.push((joint, other, own(row, column)));
+            }
+        }
+        // The columns of dependent joints in the rows of free ones, and beyond.
+        for (place, &joint) in dependent.iter().enumerate() {
+            let mut tied = Vec::with_capacity(free.len());
+            for (row, &other) in free.iter().enumerate() {
+                let mut sum = Sum::new();
+                for &(column, slope) in &self.loops.matrix[place] {
+                    sum.add(&[slope, own(row, column)]);
+                }
+                let label = QuantityLabel::new("Mrt", 0, other + 1).column(joint + 1);
+                let value = equations.define(label, sum);
+                entries.extend([(other, joint, value), (joint, other, value)]);
+                tied.push(value);
+            }
+            for (before, &other) in dependent[..=place].iter().enumerate() {
+                let mut sum = Sum::new();
+                for &(column, slope) in &self.loops.matrix[before] {
+                    sum.add(&[slope, tied[column]]);
+                }
+                let label = QuantityLabel::new("Mrt", 0, other + 1).column(joint + 1);
+                let value = equations.define(label, sum);
+                entries.push((other, joint, value));
+                if other != joint {
                     entries.push((joint, other, value));
                 }
             }
         }
+        entries.retain(|(_, _, value)| !value.is_zero());
         Ok(entries)
     }
+}
 
-    /// `-M^-1` times the derivatives of forces.
-    fn accelerations(
-        &self,
-        equations: &mut Equations,
-        parameters: &ModelParameters<'_>,
-        forces: &[JointEntry],
-    ) -> Result<Vec<JointEntry>, GenerateError> {
-        let mut columns: Vec<usize> = forces.iter().map(|&(_, column, _)| column).collect();
-        columns.sort_unstable();
-        columns.dedup();
-        let mut sides = vec![vec![Scalar::ZERO; self.joints.len()]; columns.len()];
-        for &(row, column, value) in forces {
-            if let Ok(row) = self.joints.binary_search(&row) {
-                let side = columns.partition_point(|&other| other < column);
-                sides[side][row] = -value;
-            }
-        }
-        let solutions = self.solve(equations, parameters, &sides)?;
-        let mut entries = Vec::new();
-        for (solution, &column) in solutions.iter().zip(&columns) {
-            for (&value, &joint) in solution.iter().zip(&self.joints) {
-                if !value.is_zero() {
-                    entries.push((joint, column, value));
-                }
-            }
-        }
-        Ok(entries)
-    }
+/// Options and roles of joints without constraints.
+fn open(parameters: &ModelParameters<'_>, options: &Options) -> (Options, JointRoles) {
+    let joints = &parameters.frames.source.joints;
+    let free = (0..joints.len()).filter(|&joint| joints[joint].nature != Nature::Driven);
+    let roles = JointRoles {
+        free: free.collect(),
+        bound: Vec::new(),
+        dependent: Vec::new(),
+        rows: Vec::new(),
+    };
+    let options = Options {
+        user_constraints: 0,
+        ..options.clone()
+    };
+    (options, roles)
 }
 
 /// Writes `Minv`.
@@ -132,46 +259,22 @@ pub(super) fn inverse(
     options: &Options,
 ) -> Result<(), GenerateError> {
     let dynamics = composite::dynamics(equations, parameters, options);
-    let masses = FreeMasses::new(parameters, &dynamics);
-    let entries = masses.inverse(equations, parameters)?;
+    let (options, roles) = open(parameters, options);
+    let roles = (roles, &[][..]);
+    let mut motion = ReducedMotion::new(equations, parameters, &options, dynamics, roles)?;
+    let entries = motion.inverse()?;
     output(equations, "Minv", &entries);
     Ok(())
 }
 
-/// Writes `qdd_q`, `qdd_qd` and `qdd_Qq`.
+/// Writes `qdd_q`, `qdd_qd` and `qdd_Qq` with open loops.
 pub(super) fn forward(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> Result<(), GenerateError> {
-    let dynamics = composite::dynamics(equations, parameters, options);
-    let masses = FreeMasses::new(parameters, &dynamics);
-    let mut accelerations: Vec<Scalar> = (0..parameters.joints())
-        .map(|joint| match parameters.model.joints[joint].nature {
-            Nature::Driven => parameters.acceleration(equations, joint),
-            Nature::Independent | Nature::Dependent => Scalar::ZERO,
-        })
-        .collect();
-    let forces = masses.joints.iter().map(|&joint| {
-        let driven = |other: usize| !accelerations[other].is_zero();
-        let mass = |other: usize| find_entry(&dynamics.mass[joint.max(other)], joint.min(other));
-        let given: Vec<(Scalar, Scalar)> = (0..parameters.joints())
-            .filter(|&other| driven(other))
-            .map(|other| (mass(other), accelerations[other]))
-            .collect();
-        residual_input(equations, joint, dynamics.bias[joint], &given)
-    });
-    let forces: Vec<Scalar> = forces.collect();
-    let solution = masses.solve(equations, parameters, &[forces])?;
-    for (&joint, &value) in masses.joints.iter().zip(&solution[0]) {
-        accelerations[joint] = parameters.with_resting(equations, joint, value);
-    }
-    let found = ForceDerivatives::new(equations, parameters, options, &accelerations);
-    let by_position = masses.accelerations(equations, parameters, &found.by_position)?;
-    let by_velocity = masses.accelerations(equations, parameters, &found.by_velocity)?;
-    let by_force = masses.inverse(equations, parameters)?;
-    output(equations, "qdd_q", &by_position);
-    output(equations, "qdd_qd", &by_velocity);
-    output(equations, "qdd_Qq", &by_force);
+    let (options, roles) = open(parameters, options);
+    let found = AccelerationDerivatives::at(equations, parameters, &options, roles)?;
+    found.output(equations);
     Ok(())
 }
