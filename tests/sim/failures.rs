@@ -32,11 +32,19 @@ fn a_massless_leaf_is_named() {
     model.bodies[1].mass = 0.0;
     model.bodies[1].inertia = [0.0; 6];
     let error = fixed(&model);
-    let MotionError::Singular { joint, time } = &error else {
+    let MotionError::Singular { joints, time } = &error else {
         panic!("{error}");
     };
-    assert_eq!((joint.as_str(), *time), ("R2_2", 0.0));
+    assert_eq!((joints.join(" ").as_str(), *time), ("R2_2", 0.0));
     assert!(error.advice().is_some());
+    // Both joints at once, not the second after the first is held.
+    model.bodies[0].mass = 0.0;
+    model.bodies[0].inertia = [0.0; 6];
+    let error = fixed(&model).to_string();
+    assert!(
+        error.contains("at the joints 'R2_1', 'R2_2': what they move"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -53,7 +61,7 @@ fn two_joints_that_do_the_same_are_named() {
     builder.body(base, &[slide(0.1), slide(0.2)], &solid);
     let error = fixed(&builder.model);
     assert!(
-        matches!(&error, MotionError::Singular { joint, .. } if joint == "T1_2"),
+        matches!(&error, MotionError::Singular { joints, .. } if joints[..] == ["T1_2"]),
         "{error}"
     );
 }
@@ -69,6 +77,42 @@ fn a_loop_that_cannot_close_is_named() {
     };
     assert_eq!(cut, "cut1");
     assert!(*gap > 1.0);
+    // Bars of 0.4, 1, 0.5 and 0.8 m in a row are 2.3 m too short.
+    model.cuts[0].kind = CutKind::Rod(0.5);
+    let message = fixed(&model).to_string();
+    assert!(
+        message.ends_with("its ends miss the length of the rod by 2.300e0"),
+        "{message}"
+    );
+}
+
+#[test]
+fn constraints_that_follow_from_others_only_at_the_start_are_named() {
+    let mut builder = Builder::new(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    let rods = [builder.anchor(None, 0), builder.anchor(None, 1)];
+    let base = builder.anchor(None, 0);
+    let solid = Solid {
+        mass: 1.0,
+        center: [0.0; 3],
+        inertia: [0.1; 3],
+        points: &[],
+    };
+    let slides = [
+        ("T1", Nature::Dependent, 1.0),
+        ("T3", Nature::Independent, 0.0),
+    ];
+    // A body between two rods in a line falls: the second rod holds it.
+    let body = builder.body(base, &slides, &solid);
+    for rod in rods {
+        let end = builder.anchor(Some(body), 0);
+        builder.cut(CutKind::Rod(1.0), [rod, end]);
+    }
+    let error = fixed(&builder.model);
+    let MotionError::State(StateError::Overdetermined { cut, .. }) = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(cut, "cut2");
+    assert!(error.advice().is_some());
 }
 
 #[test]

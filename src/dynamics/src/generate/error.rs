@@ -1,5 +1,6 @@
 //! Errors of the generator.
 
+use crate::kinematics::named_joints;
 use robovec_model::Model;
 use thiserror::Error;
 
@@ -84,10 +85,11 @@ pub enum GenerateError {
     /// Forces cannot move joints in a determined way.
     #[error(
         "no acceleration of {} is determined: what {} no mass or inertia in that direction; drive \
-         it (--driven), hold it (--hold) or bind it by constraints of the project \
+         {them} (--driven), hold {them} (--hold) or bind {them} by constraints of the project \
          (--user-constraints)",
-        named(joints),
-        if joints.len() == 1 { "it moves has" } else { "they move has" }
+        named_joints(joints),
+        if joints.len() == 1 { "it moves has" } else { "they move has" },
+        them = if joints.len() == 1 { "it" } else { "them" }
     )]
     Singular {
         /// Names of the joints.
@@ -169,11 +171,4 @@ impl GenerateError {
             joints: joints.into_iter().map(name).collect(),
         }
     }
-}
-
-/// Joints in a sentence: the joint 'a', or the joints 'a', 'b'.
-fn named(joints: &[String]) -> String {
-    let names: Vec<String> = joints.iter().map(|joint| format!("'{joint}'")).collect();
-    let noun = if joints.len() == 1 { "joint" } else { "joints" };
-    format!("the {noun} {}", names.join(", "))
 }

@@ -2,7 +2,7 @@
 
 use super::linear::{DenseMatrix, column, dot, largest, solve_positive, solve_square};
 use super::{LoopConstraints, MotionState, Partition, StateError};
-use robovec_model::{Model, Nature};
+use robovec_model::{CutKind, Model, Nature};
 
 /// Newton steps before giving up; from a predicted position three suffice.
 const NEWTON_STEPS: u32 = 25;
@@ -166,7 +166,7 @@ impl LoopClosure<'_> {
             match limits.look(largest(&residual)) {
                 Some(true) => return Ok((jacobian, limits.rounds())),
                 Some(false) => {}
-                None => return Err(self.open(state, &residual)),
+                None => return Err(self.not_closed(state, partition, &residual)),
             }
             if !self.newton(state, partition, &residual, &jacobian) {
                 return Err(self.open(state, &residual));
@@ -269,6 +269,25 @@ impl LoopClosure<'_> {
         Err(self.open(state, &residual))
     }
 
+    /// The error of dependent joints that do not close the loops.
+    fn not_closed(
+        &self,
+        state: &MotionState,
+        partition: &Partition,
+        residual: &[f64],
+    ) -> StateError {
+        let taken = |row: &usize| partition.rows.binary_search(row).is_ok();
+        let (taken, left): (Vec<usize>, Vec<usize>) = (0..residual.len()).partition(taken);
+        let is_closed = |row: &usize| residual[*row].abs() <= self.loose();
+        match left.iter().find(|row| !is_closed(row)) {
+            Some(&row) if taken.iter().all(is_closed) => StateError::Overdetermined {
+                cut: self.model.cuts[self.constraints.cut_of(row)].name.clone(),
+                time: state.time,
+            },
+            _ => self.open(state, residual),
+        }
+    }
+
     /// The error of the cut with the largest residual.
     fn open(&self, state: &MotionState, residual: &[f64]) -> StateError {
         let gaps = residual.iter().map(|h| h.abs()).enumerate();
@@ -280,9 +299,19 @@ impl LoopClosure<'_> {
                 time: state.time,
             };
         }
+        let cut = &self.model.cuts[self.constraints.cut_of(row)];
+        // The row of a rod is half the difference of the squares.
+        let rod = matches!(cut.kind, CutKind::Rod(_));
+        let gap = if let CutKind::Rod(length) = cut.kind {
+            let distance = (2.0 * residual[row] + length * length).max(0.0).sqrt();
+            2.0 * gap / (distance + length)
+        } else {
+            gap
+        };
         StateError::OpenLoop {
-            cut: self.model.cuts[self.constraints.cut_of(row)].name.clone(),
+            cut: cut.name.clone(),
             gap,
+            rod,
             time: state.time,
         }
     }

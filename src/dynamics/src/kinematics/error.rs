@@ -15,12 +15,30 @@ pub enum StateError {
         element: String,
     },
     /// A loop does not close.
-    #[error("at {time:?} s the cut '{cut}' cannot be closed: its ends stay {gap:.3e} apart")]
+    #[error(
+        "at {time:?} s the cut '{cut}' cannot be closed: its ends {} {gap:.3e}{}",
+        if *rod { "miss the length of the rod by" } else { "stay" },
+        if *rod { "" } else { " apart" }
+    )]
     OpenLoop {
         /// Name of the cut.
         cut: String,
-        /// The largest residual of its rows.
+        /// The largest residual of its rows; of a rod, the difference of
+        /// distance and length, m.
         gap: f64,
+        /// True when the cut is a rod.
+        rod: bool,
+        /// Time, s.
+        time: f64,
+    },
+    /// A constraint that followed from others does so no longer.
+    #[error(
+        "at {time:?} s the cut '{cut}' opens: one of its constraints followed from the others \
+         where the joints were divided, and no longer does"
+    )]
+    Overdetermined {
+        /// Name of the cut.
+        cut: String,
         /// Time, s.
         time: f64,
     },
@@ -42,10 +60,21 @@ impl StateError {
                 "correct the initial positions or the points of the cut; a loop that opens \
                  during the run has reached a dead point",
             ),
+            StateError::Overdetermined { .. } => Some(
+                "its loops have more constraints than joints that could follow: remove a cut, or \
+                 give the bodies between its ends more joints",
+            ),
             StateError::NotFinite { .. } => {
                 Some("take a smaller step, or the adaptive integrator; laws may be too stiff")
             }
             StateError::Element { .. } => None,
         }
     }
+}
+
+/// Joints in a sentence: the joint 'a', or the joints 'a', 'b'.
+pub(crate) fn named_joints(joints: &[String]) -> String {
+    let names: Vec<String> = joints.iter().map(|joint| format!("'{joint}'")).collect();
+    let noun = if joints.len() == 1 { "joint" } else { "joints" };
+    format!("the {noun} {}", names.join(", "))
 }

@@ -18,6 +18,7 @@ pub use closing::{ClosingLimits, LoopClosure};
 pub use compiled::{CompiledFunction, EvaluatedOutputs};
 pub use constraints::LoopConstraints;
 pub use error::StateError;
+pub(crate) use error::named_joints;
 pub use inputs::{InputSources, MotionState, element_name, parameter};
 pub use partition::{Partition, stack};
 pub use states::closed_states;

@@ -1,7 +1,7 @@
 //! Errors of simulations.
 
 use crate::generate::GenerateError;
-use crate::kinematics::StateError;
+use crate::kinematics::{StateError, named_joints};
 use robovec_present::number::or_nothing;
 use thiserror::Error;
 
@@ -17,14 +17,16 @@ pub enum MotionError {
     /// A state cannot be reached, or the equations are undefined there.
     #[error(transparent)]
     State(#[from] StateError),
-    /// Forces cannot move a joint in a determined way.
+    /// Forces cannot move joints in a determined way.
     #[error(
-        "at {time:?} s the mass matrix is singular at the joint '{joint}': \
-         what it moves has no mass or inertia in that direction"
+        "at {time:?} s the mass matrix is singular at {}: \
+         what {} no mass or inertia in that direction",
+        named_joints(joints),
+        if joints.len() == 1 { "it moves has" } else { "they move has" }
     )]
     Singular {
-        /// Name of the joint.
-        joint: String,
+        /// Names of the joints.
+        joints: Vec<String>,
         /// Time, s.
         time: f64,
     },
@@ -91,6 +93,10 @@ impl MotionError {
     /// Advice for the user.
     pub fn advice(&self) -> Option<&'static str> {
         match self {
+            MotionError::Singular { joints, .. } if joints.len() > 1 => Some(
+                "give the bodies beyond them mass and inertia, hold them (--hold) or drive them \
+                 (--laws); constraints that a project computes are not part of the simulation",
+            ),
             MotionError::Singular { .. } => Some(
                 "give the bodies beyond it mass and inertia, hold it (--hold) or drive it (--laws); \
                  constraints that a project computes are not part of the simulation",

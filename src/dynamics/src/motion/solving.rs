@@ -75,11 +75,15 @@ impl MultibodySystem<'_> {
             (reduced, transform.transposed_times(&rest))
         };
         let threshold = 16.0 * self.equations.epsilon();
-        let free =
-            solve_positive(reduced, right, threshold).map_err(|place| MotionError::Singular {
-                joint: self.model.joints[u[place]].name.clone(),
+        let singular = reduced.clone();
+        let free = solve_positive(reduced, right, threshold).map_err(|_| {
+            let joint = |place: usize| self.model.joints[u[place]].name.clone();
+            let joints = undetermined(&singular, threshold).into_iter().map(joint);
+            MotionError::Singular {
+                joints: joints.collect(),
                 time: state.time,
-            })?;
+            }
+        })?;
         let mut accelerations = transform.times(&free);
         for (sum, given) in accelerations.iter_mut().zip(&given) {
             *sum += given;
@@ -151,5 +155,18 @@ impl MultibodySystem<'_> {
         c.iter()
             .map(|&joint| (needed[joint] - of_loops[joint] + share(joint)) * state.qd[joint])
             .sum()
+    }
+}
+
+/// Unknowns of a symmetric system without which it is positive definite.
+fn undetermined(matrix: &DenseMatrix, threshold: f64) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..matrix.rows()).collect();
+    let mut left = Vec::new();
+    loop {
+        let rest = matrix.select(&places, &places);
+        match solve_positive(rest, vec![0.0; places.len()], threshold) {
+            Ok(_) => return left,
+            Err(place) => left.push(places.remove(place)),
+        }
     }
 }
