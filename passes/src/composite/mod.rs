@@ -79,10 +79,12 @@ impl Pass for Composite {
             context.remarks.push(remark.to_owned());
             return Ok(());
         };
-        let Some(places) = tree::find(function, &model) else {
-            let remark = "the accelerations are too many operations for a search for their bodies";
-            context.remarks.push(remark.to_owned());
-            return Ok(());
+        let places = match tree::find(function, &model) {
+            Ok(places) => places,
+            Err(remark) => {
+                context.remarks.push(remark.to_owned());
+                return Ok(());
+            }
         };
         let before = network.cost;
         let rebuilt = write::rebuild(&mut network, &model, &places, function, context.tables);

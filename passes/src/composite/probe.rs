@@ -95,6 +95,14 @@ impl<'a> MatrixProbe<'a> {
         }
     }
 
+    /// Tests whether accelerations follow from others.
+    pub(super) fn is_bound(&self) -> bool {
+        match &self.source {
+            MatrixSource::Outputs(_) => false,
+            MatrixSource::Solved(matrix) => matrix.is_bound(),
+        }
+    }
+
     /// The matrix at a state. Inputs that are none of the system's are one.
     pub(super) fn matrix(&mut self, number: impl Fn(SystemInput) -> f64) -> ProbedMatrix {
         let (values, zero) = match &mut self.source {

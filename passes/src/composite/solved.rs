@@ -7,12 +7,18 @@
 //! those of the same bodies with usual masses added, and of these alone. All
 //! numbers are double-double ones, so that the differences are exact enough for
 //! the comparisons of probes.
+//!
+//! Where loops or constraints bind joints, the accelerations of some follow
+//! from those of others, and the columns are not an inverse. Their rank shows
+//! this at one state, before the search for a tree.
 
 use super::model::{ModelInputs, SolvedMotion, SystemInput};
 use super::probe::ZERO;
 use robovec_ir::plan::EvaluationPlan;
 use robovec_ir::{Function, Input};
+use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
+use robovec_num::field::{Field, PrimeField};
 
 /// Columns of one evaluation.
 const LANES: usize = 8;
@@ -69,6 +75,33 @@ impl<'a> SolvedMatrix<'a> {
     /// Operations of one matrix.
     pub(super) fn work(&self) -> usize {
         2 * self.plan.len() * self.model.len().next_multiple_of(LANES)
+    }
+
+    /// Tests whether some accelerations follow from others: the rank of their
+    /// derivatives by forces at a random point of a prime field, where no
+    /// rounding hides it. False where this point has no value.
+    pub(super) fn is_bound(&self) -> bool {
+        let [field, _] = PrimeField::pair(0, true);
+        let mut inputs = field.point(self.inputs);
+        let mut memory = Vec::new();
+        let start = self.plan.run(&field, &inputs, &mut memory);
+        let one = field.literal(1.0);
+        let mut columns: Vec<Vec<u64>> = Vec::with_capacity(self.model.len());
+        for effort in self.solved.efforts.iter().flatten() {
+            let place = effort.0 as usize;
+            let before = inputs[place];
+            inputs[place] = field.add(before, one);
+            let moved = self.plan.run(&field, &inputs, &mut memory);
+            inputs[place] = before;
+            let pairs = moved.into_iter().zip(&start);
+            columns.push(
+                pairs
+                    .map(|(moved, &start)| field.sub(moved, start))
+                    .collect(),
+            );
+        }
+        let mut numbers = columns.iter().flatten();
+        !numbers.any(|&number| PrimeField::is_undefined(number)) && is_singular(columns, &field)
     }
 
     /// The elements at a state, row by row, and the part of the largest below
@@ -153,6 +186,24 @@ impl<'a> SolvedMatrix<'a> {
         let is_regular = inverse.iter().all(|number| number.high.abs() <= limit);
         is_regular.then(|| inverted(inverse, count))
     }
+}
+
+/// Tests whether the columns of a square matrix depend on one another.
+fn is_singular(mut columns: Vec<Vec<u64>>, field: &PrimeField) -> bool {
+    let zero = field.literal(0.0);
+    for row in 0..columns.len() {
+        let Some(pivot) = columns.iter().position(|column| column[row] != zero) else {
+            return true;
+        };
+        let pivot = columns.swap_remove(pivot);
+        for column in &mut columns {
+            let factor = field.div(column[row], pivot[row]);
+            for (number, &part) in column.iter_mut().zip(&pivot).skip(row) {
+                *number = field.sub(*number, field.mul(factor, part));
+            }
+        }
+    }
+    false
 }
 
 /// The inverse of a matrix, row by row, by elimination with the largest pivots

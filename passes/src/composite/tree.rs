@@ -40,14 +40,23 @@ const WORK: usize = 2_000_000_000;
 /// those of a chain of some 100 joints.
 const SOLVED_WORK: u64 = 40_000_000_000;
 
-/// The placement of every joint, as far as the matrix shows; `None` where
-/// accelerations are too many operations to be evaluated so often.
-pub(super) fn find(function: &Function, model: &ModelInputs) -> Option<Vec<JointPlacement>> {
+/// The placement of every joint, as far as the matrix shows.
+///
+/// # Errors
+///
+/// The reason why accelerations are not searched.
+pub(super) fn find(
+    function: &Function,
+    model: &ModelInputs,
+) -> Result<Vec<JointPlacement>, &'static str> {
     let mut probe = MatrixProbe::new(function, model);
     // A matrix for each body, twice, each joint that slides and each point.
     let matrices = (4 * model.len() + model.points.len()) as u64;
     if model.solved.is_some() && matrices.saturating_mul(probe.work() as u64) > SOLVED_WORK {
-        return None;
+        return Err("the accelerations are too many operations for a search for their bodies");
+    }
+    if probe.is_bound() {
+        return Err("accelerations follow from others, so they are not those of a tree of bodies");
     }
     let tree = ancestors(&mut probe, model);
     let mut axes = axes::find(&mut probe, model, &tree);
@@ -69,7 +78,7 @@ pub(super) fn find(function: &Function, model: &ModelInputs) -> Option<Vec<Joint
             axes.chosen[joint] = before;
         }
     }
-    Some(places)
+    Ok(places)
 }
 
 /// The placement of every joint, for given axes.
