@@ -2,9 +2,11 @@
 //! is written, and no file takes long.
 
 use super::shipped::EXAMPLES;
-use crate::support::files::{compare_with_record, each, list, name};
+use crate::support::files::{compare_with_record, each, list, name, tree};
 use crate::support::programs::robovec;
+use robovec::generate::{Formulation, GenerateError, GenerationRequest, generate};
 use robovec::model::robot::{RobotBase, read_robot};
+use robovec::robotran::FunctionKind;
 use robovec::robotran::conventions::JOINT_LIMIT;
 use std::fs;
 use std::path::Path;
@@ -48,6 +50,52 @@ fn a_refused_robot_exits_with_1_and_writes_nothing() {
             assert!(output.stdout.is_empty() && !Path::new(result).exists());
         }
     }
+}
+
+/// A free base without mass is reported if and only if no accelerations are
+/// determined: with one other link, but not with two or a rotor.
+#[test]
+fn a_free_base_without_mass_is_reported_where_the_masses_are_singular() {
+    let file = |name: &str| {
+        let path = tree("examples/robots").join(name);
+        fs::read_to_string(path).expect("it can be read")
+    };
+    let arm = "<joint name='NAME' type='revolute'><parent link='base'/><child link='of-NAME'/>\
+               <origin xyz='PLACE 0 0' rpy='0 PLACE 0'/>DRIVE</joint>\
+               <link name='of-NAME'><inertial><mass value='1'/>\
+               <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>";
+    let arms = |places: &[&str], drive: &str| {
+        let arms = places.iter().map(|place| {
+            let arm = arm.replace("NAME", &format!("arm{place}"));
+            arm.replace("PLACE", place).replace("DRIVE", drive)
+        });
+        let arms: String = arms.collect();
+        format!("<robot name='r'><link name='base'/>{arms}</robot>")
+    };
+    let rotor = "<dynamics armature='0.1'/>";
+    let made = [arms(&["1"], ""), arms(&["1"], rotor), arms(&["1", "2"], "")];
+    let robots = EXAMPLES.into_iter().map(file).chain(made);
+    let reported = robots.map(|text| {
+        let read = read_robot("r.urdf", text.as_bytes(), RobotBase::Floating).expect("a robot");
+        let warnings = read.warnings.render_plain();
+        let request = GenerationRequest {
+            formulation: Formulation::Composite,
+            ..GenerationRequest::new(FunctionKind::Accelred)
+        };
+        let is_singular = match generate(&read.model, &request) {
+            Ok(_) => false,
+            Err(GenerateError::Singular { .. }) => true,
+            Err(error) => panic!("{error}"),
+        };
+        assert_eq!(
+            warnings.contains("without mass"),
+            is_singular,
+            "{warnings}{text}"
+        );
+        is_singular
+    });
+    let expected = [true, true, true, false, true, false, false];
+    assert_eq!(reported.collect::<Vec<bool>>(), expected);
 }
 
 /// The message for a robot with this text inside.

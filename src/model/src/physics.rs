@@ -1,11 +1,11 @@
 //! Remarks on models that can be read but hardly be meant.
 
 use super::xml::Messages;
-use super::{Body, Model, Nature};
+use super::{Body, CutKind, Joint, JointKind, Model, Nature};
 use robovec_ir::diagnostic::clip;
 use std::ops::Range;
 
-/// Warns of massless ends of the tree and of impossible inertias; `places` are
+/// Warns of bodies that move no mass and of impossible inertias; `places` are
 /// those of the names of bodies.
 pub(super) fn remark(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
     assert_eq!(
@@ -67,10 +67,8 @@ pub(super) fn massless(model: &Model, places: &[Range<usize>], messages: &mut Me
             bound[parent] |= bound[index];
         }
     }
-    let driven = |joint: usize| {
-        let joint = &model.joints[joint];
-        joint.nature == Nature::Driven || joint.armature != 0.0
-    };
+    massless_bases(model, &carries, places, messages);
+    let driven = |joint: usize| is_driven(&model.joints[joint]);
     let bodies = model.bodies.iter().enumerate().filter(|(index, body)| {
         let first = !carries[*index] && body.parent.is_none_or(|parent| carries[parent]);
         first && !bound[*index] && !body.joints.clone().all(driven)
@@ -105,6 +103,54 @@ pub(super) fn massless(model: &Model, places: &[Range<usize>], messages: &mut Me
         "give it a mass, drive it (--driven), hold it (--hold), or bind it by constraints of the \
          project (--user-constraints)",
     );
+}
+
+fn is_driven(joint: &Joint) -> bool {
+    joint.nature == Nature::Driven || joint.armature != 0.0
+}
+
+/// Warns of free bodies without mass that one other body is attached to: such a
+/// body follows each movement of the joint between them while the other one
+/// rests, so the mass matrix is singular. None where a cut holds one of them,
+/// or joints are driven or turn rotors.
+fn massless_bases(
+    model: &Model,
+    carries: &[bool],
+    places: &[Range<usize>],
+    messages: &mut Messages,
+) {
+    for (index, body) in model.bodies.iter().enumerate() {
+        let moves = |kind: JointKind| {
+            let mut joints = model.joints[body.joints.clone()].iter();
+            joints.any(|joint| joint.kind == kind && !is_driven(joint))
+        };
+        let is_free = body.parent.is_none() && JointKind::ALL.into_iter().all(moves);
+        if !is_free || !is_massless(body) || !carries[index] {
+            continue;
+        }
+        let mut attached = model.bodies.iter().filter(|one| one.parent == Some(index));
+        let (Some(other), None) = (attached.next(), attached.next()) else {
+            continue;
+        };
+        let is_held = |joint: usize| {
+            let mut cuts = model.cuts.iter();
+            is_driven(&model.joints[joint])
+                || cuts.any(|cut| match cut.kind {
+                    CutKind::Coupling(of) => joint == of.joint || joint == of.leader,
+                    _ => cut.ends.iter().any(|end| end.body == Some(index)),
+                })
+        };
+        let Some(joint) = other.joints.clone().find(|&joint| !is_held(joint)) else {
+            continue;
+        };
+        let joint = &model.joints[joint].name;
+        messages.warn(
+            places[index].clone(),
+            &format!("{} moves freely without mass", body_title(&body.name)),
+            &format!("it and joint '{joint}' can move while no mass does: `M` is singular"),
+            "give it a mass and an inertia, or drive (--driven) or hold (--hold) the joint",
+        );
+    }
 }
 
 /// The share of the largest entry that counts as rounding.
