@@ -1,8 +1,9 @@
 //! Change of accelerations: the inverse of the mass matrix, and the derivatives
 //! of forward dynamics, with closed loops or without.
 //!
-//! `M qdd + c = Qq + J^T lambda` and `J qdd + Jd qd = 0` hold for all changes of
-//! the motion that keep loops closed, `J dq = 0`. Its derivatives by time are
+//! With `Jd` and `Jdd` the derivatives of `J` by time, `M qdd + c = Qq + J^T lambda`
+//! and `J qdd + Jd qd = 0` hold for all changes `dq`, `dqd`, `dqdd` of the motion
+//! that keep loops closed, `J dq = 0`. The derivatives of this by time are
 //!
 //! ```text
 //! J dqd + Jd dq = 0        J dqdd + 2 Jd dqd + Jdd dq = 0
