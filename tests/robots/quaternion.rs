@@ -205,6 +205,17 @@ fn integrate(given: &Arrays, name: &'static str, joint: usize, step: f64) -> Arr
     moved
 }
 
+/// The derivatives of some numbers by a step, by differences of the fourth order.
+fn slopes(step: f64, at: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+    let sides = [2.0 * step, step, -step, -2.0 * step].map(at);
+    let places = 0..sides[0].len();
+    let slope = |place| {
+        let [far, near, back, far_back] = [0, 1, 2, 3].map(|side: usize| sides[side][place]);
+        (far_back - far + 8.0 * (near - back)) / (12.0 * step)
+    };
+    places.map(slope).collect()
+}
+
 /// The Jacobians along the axes of the base, against differences of the fourth
 /// order.
 #[test]
@@ -242,14 +253,8 @@ fn jacobians_of_a_quaternion_base_are_along_its_axes() {
                 let mut wanted = vec![0.0; joints * joints];
                 for column in 0..joints {
                     let at = |step| outputs(&module, &integrate(&given, name, column, step));
-                    let step = 1e-3;
-                    for (side, weight) in [(step, 8.0), (2.0 * step, -1.0)] {
-                        for (sign, values) in [(1.0, at(side)), (-1.0, at(-side))] {
-                            for row in 0..joints {
-                                wanted[row * joints + column] +=
-                                    sign * weight * values[row] / (12.0 * step);
-                            }
-                        }
+                    for (row, slope) in slopes(1e-3, at).into_iter().take(joints).enumerate() {
+                        wanted[row * joints + column] = slope;
                     }
                 }
                 let found = &found[first..first + joints * joints];
@@ -260,7 +265,7 @@ fn jacobians_of_a_quaternion_base_are_along_its_axes() {
 }
 
 /// Elements of an output that a function sets, by their places in its array.
-fn set(module: &Module, given: &Arrays, name: &str) -> Vec<(usize, f64)> {
+fn assigned(module: &Module, given: &Arrays, name: &str) -> Vec<(usize, f64)> {
     let (function, values) = (&module.functions[0], outputs(module, given));
     let mut arrays = function.outputs().iter();
     let array = arrays.find(|array| module.tables.symbols.text(array.name) == name);
@@ -297,7 +302,7 @@ fn derivatives_with_loops_are_along_the_axes_of_the_base() {
     let closed = |mut given: Arrays| {
         for (module, name) in &loops {
             for _ in 0..8 {
-                for (place, value) in set(module, &given, name) {
+                for (place, value) in assigned(module, &given, name) {
                     given.get_mut(name).expect("it is given")[place] = value;
                 }
             }
@@ -318,7 +323,7 @@ fn derivatives_with_loops_are_along_the_axes_of_the_base() {
     let starts = starts.collect();
     given.insert("q", starts);
     let given = closed(given);
-    let dependent: Vec<usize> = set(&loops[0].0, &given, "q")
+    let dependent: Vec<usize> = assigned(&loops[0].0, &given, "q")
         .into_iter()
         .map(|(joint, _)| joint)
         .collect();
@@ -329,21 +334,17 @@ fn derivatives_with_loops_are_along_the_axes_of_the_base() {
     );
     for (array, name) in [("qdd_q", "q"), ("qdd_qd", "qd"), ("qdd_Qq", "Qq")] {
         let mut found = vec![0.0; joints * joints];
-        for (place, value) in set(&derivatives, &given, array) {
+        for (place, value) in assigned(&derivatives, &given, array) {
             found[place] = value;
         }
         let mut wanted = vec![0.0; joints * joints];
         for column in (0..joints).filter(|joint| name == "Qq" || !dependent.contains(joint)) {
-            let step = 2e-4;
-            for (side, weight) in [(step, 8.0), (2.0 * step, -1.0)] {
-                for sign in [1.0, -1.0] {
-                    let moved = closed(integrate(&given, name, column, sign * side));
-                    let values = outputs(&accelerations, &moved);
-                    for row in 0..joints {
-                        wanted[row * joints + column] +=
-                            sign * weight * values[row] / (12.0 * step);
-                    }
-                }
+            let at = |step| {
+                let moved = closed(integrate(&given, name, column, step));
+                outputs(&accelerations, &moved)
+            };
+            for (row, slope) in slopes(2e-4, at).into_iter().enumerate() {
+                wanted[row * joints + column] = slope;
             }
         }
         // The mechanism is sensitive: this is what differences leave.

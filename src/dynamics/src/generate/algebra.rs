@@ -173,3 +173,13 @@ impl Sum {
 pub(super) fn given(scalars: &[Scalar], joint: usize) -> Scalar {
     scalars.get(joint).copied().unwrap_or(Scalar::ZERO)
 }
+
+/// The product of two vectors.
+pub(super) fn dot(one: &[Scalar], other: &[Scalar]) -> Sum {
+    assert_eq!(one.len(), other.len(), "vectors of one length");
+    let mut sum = Sum::new();
+    for (&a, &b) in one.iter().zip(other) {
+        sum.add(&[a, b]);
+    }
+    sum
+}

@@ -23,7 +23,7 @@
 //! errors of those before it. Larger blocks keep the order of pivots of the
 //! initial state.
 
-use super::algebra::{Scalar, Sum};
+use super::algebra::{Scalar, Sum, dot};
 use super::equations::{Equations, QuantityLabel};
 use super::factor::{SparseRow, entry, product, solve_square};
 use petgraph::algo::kosaraju_scc;
@@ -226,14 +226,4 @@ impl<'r> LoopBlock<'r> {
             _ => unreachable!("larger blocks are solved by pivots"),
         }
     }
-}
-
-/// The product of two vectors.
-fn dot(one: &[Scalar], other: &[Scalar]) -> Sum {
-    assert_eq!(one.len(), other.len(), "vectors of one length");
-    let mut sum = Sum::new();
-    for (&a, &b) in one.iter().zip(other) {
-        sum.add(&[a, b]);
-    }
-    sum
 }

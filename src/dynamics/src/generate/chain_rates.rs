@@ -11,10 +11,10 @@
 //! ```
 
 use super::algebra::{Scalar, Sum};
-use super::chain::{Chain, JacobianColumn};
+use super::chain::{Chain, ChainJoint, JacobianColumn};
 use super::equations::Equations;
 use super::parameters::ModelParameters;
-use super::vector::{Vector, ZERO, add_cross, add_sums, add_vector, sums, sums_of};
+use super::vector::{SumVector, Vector, ZERO, add_cross, add_sums, add_vector, sums, sums_of};
 
 /// Derivatives by time of the parts of a Jacobian, one of each kind for every
 /// joint of a chain.
@@ -28,6 +28,8 @@ struct ChainRates {
     turning: Vec<Vector>,
     /// That of the last frame.
     last: Vector,
+    /// From the last joint to the end.
+    end: Vector,
 }
 
 impl ChainRates {
@@ -39,19 +41,14 @@ impl ChainRates {
             levers: Vec::new(),
             turning: Vec::new(),
             last: ZERO,
+            end: ZERO,
         }
     }
 
     /// The derivatives of arms from those of levers and of the last lever.
-    fn sum_arms(
-        &mut self,
-        chain: &Chain,
-        equations: &mut Equations,
-        prefix: &'static str,
-        end: Vector,
-    ) {
+    fn sum_arms(&mut self, chain: &Chain, equations: &mut Equations, prefix: &'static str) {
         self.arms = vec![ZERO; chain.steps.len()];
-        let mut arm = end;
+        let mut arm = self.end;
         for (place, step) in chain.steps.iter().enumerate().rev() {
             self.arms[place] = arm;
             let mut sum = sums_of(&self.levers[place]);
@@ -116,42 +113,23 @@ impl Chain {
     ) -> Vec<JacobianColumn> {
         let places = (0..axes.len()).map(|place| (place, self.steps[place].joint));
         let moving = places.filter(|&(_, joint)| !parameters.frames.is_constant(joint));
-        let column = |(place, joint)| match parameters.is_revolute(joint) {
-            true => (joint, linear(place), axes[place]),
-            false => (joint, axes[place], ZERO),
+        let column = |(place, joint)| {
+            if parameters.is_revolute(joint) {
+                (joint, linear(place), axes[place])
+            } else {
+                (joint, axes[place], ZERO)
+            }
         };
         moving.map(column).collect()
     }
 
     fn rates(&self, equations: &mut Equations, parameters: &ModelParameters<'_>) -> ChainRates {
-        let mut rates = ChainRates::at_rest();
-        for step in &self.steps {
-            let (joint, rate) = (step.joint, parameters.qd[step.joint]);
-            let (mut axis, mut lever) = (sums(), sums());
-            add_cross(&mut axis, &rates.last, &step.axis, false);
-            add_cross(&mut lever, &rates.last, &step.lever, false);
+        let names = ["OM", "AD", "RD", "PD"];
+        self.next_rates(equations, parameters, names, None, |equations, step| {
+            let rate = parameters.qd[step.joint];
             let moved = step.axis.map(|component| Sum::product(&[component, rate]));
-            let moved = self.define(equations, "OS", joint + 1, 0, moved);
-            rates.turning.push(rates.last);
-            rates
-                .axes
-                .push(self.define(equations, "AD", joint + 1, 0, axis));
-            if parameters.is_revolute(joint) {
-                let mut last = sums_of(&rates.last);
-                add_vector(&mut last, &moved);
-                rates.last = self.define(equations, "OM", joint + 1, 0, last);
-            } else {
-                add_vector(&mut lever, &moved);
-            }
-            rates
-                .levers
-                .push(self.define(equations, "RD", joint + 1, 0, lever));
-        }
-        let mut end = sums();
-        add_cross(&mut end, &rates.last, &self.end, false);
-        let end = self.define(equations, "PD", 0, 0, end);
-        rates.sum_arms(self, equations, "PD", end);
-        rates
+            sums_of(&self.define(equations, "OS", step.joint + 1, 0, moved))
+        })
     }
 
     fn second_rates(
@@ -161,42 +139,62 @@ impl Chain {
         rates: &ChainRates,
         accelerations: &[Scalar],
     ) -> ChainRates {
-        let mut seconds = ChainRates::at_rest();
+        let names = ["OP", "AS", "RE", "PE"];
+        let mut turned = rates.axes.iter();
+        self.next_rates(equations, parameters, names, Some(rates), |_, step| {
+            let turned = turned.next().expect("an axis per joint");
+            [0, 1, 2].map(|k| {
+                let mut sum = Sum::product(&[turned[k], parameters.qd[step.joint]]);
+                sum.add(&[step.axis[k], accelerations[step.joint]]);
+                sum
+            })
+        })
+    }
+
+    /// The derivatives of axes, levers and arms of the first order, or of the
+    /// second one from those of the first. `moved` gives the change of the turning
+    /// or of the lever by the joint itself; names are those of turning, axes,
+    /// levers and arms.
+    fn next_rates(
+        &self,
+        equations: &mut Equations,
+        parameters: &ModelParameters<'_>,
+        [turning, axes, levers, arms]: [&'static str; 4],
+        before: Option<&ChainRates>,
+        mut moved: impl FnMut(&mut Equations, &ChainJoint) -> SumVector,
+    ) -> ChainRates {
+        let mut rates = ChainRates::at_rest();
         for (place, step) in self.steps.iter().enumerate() {
             let joint = step.joint;
-            let (before, turned) = (rates.turning[place], rates.axes[place]);
             let (mut axis, mut lever) = (sums(), sums());
-            add_cross(&mut axis, &seconds.last, &step.axis, false);
-            add_cross(&mut axis, &before, &turned, false);
-            seconds.turning.push(seconds.last);
-            seconds
-                .axes
-                .push(self.define(equations, "AS", joint + 1, 0, axis));
-            let moved = [0, 1, 2].map(|k| {
-                let mut sum = Sum::product(&[turned[k], parameters.qd[joint]]);
-                sum.add(&[step.axis[k], accelerations[joint]]);
-                sum
-            });
-            add_cross(&mut lever, &seconds.last, &step.lever, false);
-            add_cross(&mut lever, &before, &rates.levers[place], false);
+            add_cross(&mut axis, &rates.last, &step.axis, false);
+            add_cross(&mut lever, &rates.last, &step.lever, false);
+            if let Some(before) = before {
+                let turning = &before.turning[place];
+                add_cross(&mut axis, turning, &before.axes[place], false);
+                add_cross(&mut lever, turning, &before.levers[place], false);
+            }
+            let moved = moved(equations, step);
+            rates.turning.push(rates.last);
+            let axis = self.define(equations, axes, joint + 1, 0, axis);
+            rates.axes.push(axis);
             if parameters.is_revolute(joint) {
-                let mut last = sums_of(&seconds.last);
+                let mut last = sums_of(&rates.last);
                 add_sums(&mut last, &moved);
-                seconds.last = self.define(equations, "OP", joint + 1, 0, last);
+                rates.last = self.define(equations, turning, joint + 1, 0, last);
             } else {
                 add_sums(&mut lever, &moved);
             }
-            seconds
-                .levers
-                .push(self.define(equations, "RE", joint + 1, 0, lever));
+            let lever = self.define(equations, levers, joint + 1, 0, lever);
+            rates.levers.push(lever);
         }
-        let (mut rate, mut end) = (sums(), sums());
-        add_cross(&mut rate, &rates.last, &self.end, false);
-        let rate = self.define(equations, "PD", 0, 0, rate);
-        add_cross(&mut end, &seconds.last, &self.end, false);
-        add_cross(&mut end, &rates.last, &rate, false);
-        let end = self.define(equations, "PE", 0, 0, end);
-        seconds.sum_arms(self, equations, "PE", end);
-        seconds
+        let mut end = sums();
+        add_cross(&mut end, &rates.last, &self.end, false);
+        if let Some(before) = before {
+            add_cross(&mut end, &before.last, &before.end, false);
+        }
+        rates.end = self.define(equations, arms, 0, 0, end);
+        rates.sum_arms(self, equations, arms);
+        rates
     }
 }

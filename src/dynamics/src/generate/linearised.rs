@@ -14,20 +14,6 @@ use super::sensitivity::AccelerationDerivatives;
 use super::{GenerateError, GenerationRequest, independent_joints};
 use robovec_model::Model;
 
-/// Writes the derivatives of accelerations along motions that loops allow.
-pub(super) fn derivatives(
-    equations: &mut Equations,
-    parameters: &ModelParameters<'_>,
-    request: &GenerationRequest,
-) -> Result<AccelerationDerivatives, GenerateError> {
-    if request.options.user_constraints > 0 {
-        return Err(GenerateError::UserDerivatives {
-            function: request.function.name(),
-        });
-    }
-    AccelerationDerivatives::new(equations, parameters, &request.options)
-}
-
 /// Writes `A` and `B`.
 pub(super) fn write(
     equations: &mut Equations,
@@ -36,7 +22,7 @@ pub(super) fn write(
     request: &GenerationRequest,
 ) -> Result<(), GenerateError> {
     let free = free_joints(frames.source, request)?;
-    let derivatives = derivatives(equations, parameters, request)?;
+    let derivatives = AccelerationDerivatives::new(equations, parameters, request)?;
     let count = free.len();
     let joint = |frame: usize| frames.joint(frame).expect("only joints have derivatives");
     let place = |frame: usize| free.binary_search(&joint(frame)).ok();

@@ -66,26 +66,22 @@ impl ReducedMotion<'_, '_, '_> {
         let moving: Vec<usize> = joints
             .filter(|joint| !self.roles.dependent.contains(joint))
             .collect();
-        let dependent = self.roles.dependent.clone();
         let along = self.along(&moving)?;
-        let first = self.solved(["Jelu", "Jel", "Jei", "Jex", "dqd"], moving.len(), |row| {
-            along
-                .iter()
-                .map(|along| product(&rates.first[row], along))
-                .collect()
-        })?;
+        let columns = |row: &JointRow| along.iter().map(|along| product(row, along)).collect();
+        let right = rates.first.iter().map(columns).collect();
+        let first = self.solved(["Jelu", "Jel", "Jei", "Jex", "dqd"], right)?;
         let doubled = self.doubled(&first, &moving);
-        let second = self.solved(["Jflu", "Jfl", "Jfi", "Jfx", "dqs"], moving.len(), |row| {
-            let columns = along.iter().enumerate().map(|(column, along)| {
-                let mut sum = product(&rates.second[row], along);
-                for (place, joint) in dependent.iter().enumerate() {
-                    let rate = find_entry(&rates.first[row], *joint);
-                    sum.add(&[rate, entry(&doubled[place], column)]);
+        let mut right: Vec<Vec<Sum>> = rates.second.iter().map(columns).collect();
+        for (sums, row) in right.iter_mut().zip(&rates.first) {
+            for (joint, doubled) in self.roles.dependent.iter().zip(&doubled) {
+                let rate = find_entry(row, *joint);
+                for &(column, value) in doubled {
+                    sums[column].add(&[rate, value]);
                 }
-                sum
-            });
-            columns.collect()
-        })?;
+            }
+        }
+        let second = self.solved(["Jflu", "Jfl", "Jfi", "Jfx", "dqs"], right)?;
+        let dependent = &self.roles.dependent;
         let column = |rows: &[SparseRow], column: usize| -> SparseRow {
             let places = rows.iter().map(|row| entry(row, column)).enumerate();
             places.filter(|(_, value)| !value.is_zero()).collect()
@@ -127,13 +123,12 @@ impl ReducedMotion<'_, '_, '_> {
         let given: Vec<usize> = (0..moving.len())
             .filter(|&place| free.binary_search(&moving[place]).is_err())
             .collect();
-        let rows = self.loops.rows.clone();
-        let driven = self.solved(["Jglu", "Jgl", "Jgi", "Jgx", "dqc"], given.len(), |row| {
-            let entries = given
-                .iter()
-                .map(|&place| Sum::of(rows[row].entry(moving[place])));
-            entries.collect()
-        })?;
+        let right = self.loops.rows.iter().map(|row| {
+            let entries = given.iter().map(|&place| row.entry(moving[place]));
+            entries.map(Sum::of).collect()
+        });
+        let right = right.collect();
+        let driven = self.solved(["Jglu", "Jgl", "Jgi", "Jgx", "dqc"], right)?;
         for (place, &joint) in self.roles.dependent.iter().enumerate() {
             for &(column, value) in &self.loops.matrix[place] {
                 let column = moving.binary_search(&self.roles.free[column]);
@@ -146,18 +141,17 @@ impl ReducedMotion<'_, '_, '_> {
         Ok(along)
     }
 
-    /// `-Jv^-1 X`, for the columns of each row of the loops.
+    /// `-Jv^-1 X`, for the columns of `X` in each row of the loops.
     fn solved(
         &mut self,
         names: [&'static str; 5],
-        columns: usize,
-        row: impl Fn(usize) -> Vec<Sum>,
+        rows: Vec<Vec<Sum>>,
     ) -> Result<Vec<SparseRow>, GenerateError> {
-        let mut right = Vec::with_capacity(self.loops.rows.len());
-        for number in 0..self.loops.rows.len() {
-            let sums = row(number).into_iter().enumerate();
-            let values = sums.map(|(column, sum)| {
-                let label = QuantityLabel::new(names[0], 0, number + 1).column(column + 1);
+        let columns = rows.first().map_or(0, Vec::len);
+        let mut right = Vec::with_capacity(rows.len());
+        for (number, sums) in (1..).zip(rows) {
+            let values = sums.into_iter().enumerate().map(|(column, sum)| {
+                let label = QuantityLabel::new(names[0], 0, number).column(column + 1);
                 (column, self.reduction.equations.define(label, sum))
             });
             right.push(values.filter(|(_, value)| !value.is_zero()).collect());

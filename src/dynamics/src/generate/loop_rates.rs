@@ -13,7 +13,7 @@
 //! rod's force is `lambda P`, which changes with its span `P` as well.
 
 use super::Options;
-use super::algebra::{Scalar, Sum};
+use super::algebra::{Scalar, Sum, dot};
 use super::chain::{Chain, JacobianColumn};
 use super::constraints::{ConstraintPart, ConstraintWriter};
 use super::derivative::JointEntry;
@@ -75,15 +75,13 @@ impl LoopRates {
             }
             let ends = writer.ends(options);
             let mut change = CutRates {
-                number,
-                columns: [0, 1].map(|side| ends[side].jacobian(equations, parameters)),
-                first: [0, 1].map(|side| ends[side].jacobian_rate(equations, parameters)),
+                columns: [0, 1].map(|side| ends[side].jacobian(writer.equations, parameters)),
+                first: [0, 1].map(|side| ends[side].jacobian_rate(writer.equations, parameters)),
                 second: [0, 1].map(|side| {
-                    ends[side].jacobian_second_rate(equations, parameters, accelerations)
+                    ends[side].jacobian_second_rate(writer.equations, parameters, accelerations)
                 }),
+                writer,
                 ends,
-                equations,
-                parameters,
                 found: &mut found,
             };
             match cut.kind {
@@ -97,9 +95,7 @@ impl LoopRates {
 
 /// Writer of the changes of one cut.
 struct CutRates<'e, 'p, 'm> {
-    equations: &'e mut Equations,
-    parameters: &'p ModelParameters<'m>,
-    number: usize,
+    writer: ConstraintWriter<'e, 'p, 'm>,
     ends: [Chain; 2],
     columns: [Vec<JacobianColumn>; 2],
     first: [Vec<JacobianColumn>; 2],
@@ -128,34 +124,22 @@ impl CutRates<'_, '_, '_> {
     /// The row of a rod: `J = P.(J_A - J_B)`.
     fn rod(&mut self, rows: &[(usize, Scalar)], accelerations: &[Scalar]) {
         let &[(_, multiplier)] = rows else { return };
-        let mut writer = ConstraintWriter {
-            equations: self.equations,
-            parameters: self.parameters,
-            part: ConstraintPart::Position,
-            number: self.number,
-        };
-        let span = writer.span("Plp", &self.ends);
+        let parameters = self.writer.parameters;
+        let two = self.writer.equations.number(2.0);
+        let span = self.writer.span("Plp", &self.ends);
         let [one, other] = [0, 1]
-            .map(|side| self.ends[side].motion(self.equations, self.parameters, accelerations));
-        let number = self.number + 1;
-        let mut define = |prefix, a: Vector, b: Vector, factor: Scalar| -> Vector {
-            let label = |component| QuantityLabel::new(prefix, component, number);
-            let difference = [0, 1, 2].map(|k| {
-                let mut sum = Sum::product(&[a[k], factor]);
-                sum.subtract(&[b[k], factor]);
-                sum
-            });
-            define_as(self.equations, label, difference)
+            .map(|side| self.ends[side].motion(self.writer.equations, parameters, accelerations));
+        let mut define = |prefix, sum: &dyn Fn(usize) -> Sum| -> Vector {
+            let label = |component| QuantityLabel::new(prefix, component, self.writer.number + 1);
+            define_as(self.writer.equations, label, [0, 1, 2].map(sum))
         };
-        let rate = define("Vlp", one.velocity, other.velocity, Scalar::ONE);
-        let second = define("Alp", one.acceleration, other.acceleration, Scalar::ONE);
-        let force = define("Flp", span, ZERO, multiplier);
-        let twice = self.equations.number(2.0);
-        let doubled = [0, 1, 2].map(|k| {
-            let label = QuantityLabel::new("Wlp", k + 1, number);
-            let sum = Sum::product(&[twice, rate[k]]);
-            self.equations.define(label, sum)
+        let difference = |a: &Vector, b: &Vector, k: usize| Sum::total(&[a[k], -b[k]]);
+        let rate = define("Vlp", &|k| difference(&one.velocity, &other.velocity, k));
+        let second = define("Alp", &|k| {
+            difference(&one.acceleration, &other.acceleration, k)
         });
+        let force = define("Flp", &|k| Sum::product(&[span[k], multiplier]));
+        let doubled = define("Wlp", &|k| Sum::product(&[two, rate[k]]));
         let (mut first_row, mut second_row) = (JointRow::new(), JointRow::new());
         for side in 0..2 {
             for place in 0..self.columns[side].len() {
@@ -185,13 +169,13 @@ impl CutRates<'_, '_, '_> {
         for side in 0..2 {
             for place in 0..self.columns[side].len() {
                 let (joint, _, axis) = self.columns[side][place];
-                if !self.parameters.is_revolute(joint) {
+                if !self.writer.parameters.is_revolute(joint) {
                     continue;
                 }
                 let [lever, twist] = [("LF", force), ("LT", torque)].map(|(prefix, load)| {
                     let mut cross = sums();
                     add_cross(&mut cross, load, &axis, side == 1);
-                    self.ends[side].define(self.equations, prefix, joint + 1, 0, cross)
+                    self.ends[side].define(self.writer.equations, prefix, joint + 1, 0, cross)
                 });
                 for beyond in place..self.columns[side].len() {
                     let (other, linear, turning) = self.columns[side][beyond];
@@ -222,7 +206,7 @@ impl CutRates<'_, '_, '_> {
             .collect();
         for &(side, joint, linear) in &all {
             let scaled = linear.map(|value| Sum::product(&[multiplier, value]));
-            let scaled = self.ends[side].define(self.equations, "LP", joint + 1, 0, scaled);
+            let scaled = self.ends[side].define(self.writer.equations, "LP", joint + 1, 0, scaled);
             for &(_, other, column) in &all {
                 let sum = dot(&scaled, &column);
                 let value = self.named("LQ", side, (joint, other + 1), sum);
@@ -239,7 +223,7 @@ impl CutRates<'_, '_, '_> {
         sum: Sum,
     ) -> Scalar {
         let label = self.ends[side].label(prefix, 0, joint + 1).column(column);
-        self.equations.define(label, sum)
+        self.writer.equations.define(label, sum)
     }
 
     fn keep(&mut self, row: usize, column: usize, value: Scalar) {
@@ -247,12 +231,4 @@ impl CutRates<'_, '_, '_> {
             self.found.stiffness.push((row, column, value));
         }
     }
-}
-
-fn dot(one: &Vector, other: &Vector) -> Sum {
-    let mut sum = Sum::new();
-    for (&a, &b) in one.iter().zip(other) {
-        sum.add(&[a, b]);
-    }
-    sum
 }

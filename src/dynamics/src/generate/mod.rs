@@ -76,6 +76,7 @@ pub use self::network::PrefixNetwork;
 pub use self::roles::{
     constraints as loop_constraints, cuts_of_rows, independent_joints, redundant_rows,
 };
+use self::sensitivity::AccelerationDerivatives;
 use robovec_ir::verify::is_valid;
 use robovec_ir::{Function, Level, Module};
 use robovec_model::Model;
@@ -377,7 +378,7 @@ fn write(
         FunctionKind::InvdynaD => derivative::inverse(equations, parameters, options),
         FunctionKind::DirdynaD => sensitivity::forward(equations, parameters, options)?,
         FunctionKind::AccelD => {
-            linearised::derivatives(equations, parameters, request)?.output(equations);
+            AccelerationDerivatives::new(equations, parameters, request)?.output(equations);
         }
         FunctionKind::Linear => linearised::write(equations, frames, parameters, request)?,
         FunctionKind::Minv => sensitivity::inverse(equations, parameters, options)?,

@@ -72,16 +72,21 @@ impl JointRoles {
         self.dependent.contains(&joint) || self.bound.contains(&joint)
     }
 
+    /// The roles without constraints.
+    pub(super) fn open(model: &Model) -> JointRoles {
+        let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
+        JointRoles {
+            free: (0..model.joints.len()).filter(free).collect(),
+            bound: Vec::new(),
+            dependent: Vec::new(),
+            rows: Vec::new(),
+        }
+    }
+
     /// The roles without constraints of the user.
     pub(super) fn of_loops(model: &Model) -> Result<JointRoles, GenerateError> {
-        let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
         if model.cuts.is_empty() {
-            return Ok(JointRoles {
-                free: (0..model.joints.len()).filter(free).collect(),
-                bound: Vec::new(),
-                dependent: Vec::new(),
-                rows: Vec::new(),
-            });
+            return Ok(JointRoles::open(model));
         }
         let (roles, jacobian) = closed_loops(model)?;
         let square = jacobian.select(&roles.rows, &roles.dependent);

@@ -34,8 +34,7 @@ use super::massless::massless_joints;
 use super::parameters::ModelParameters;
 use super::reduced::ReducedMotion;
 use super::roles::JointRoles;
-use super::{GenerateError, Options};
-use robovec_model::Nature;
+use super::{GenerateError, GenerationRequest, Options};
 use std::collections::BTreeMap;
 
 /// The derivatives of all accelerations (rows).
@@ -51,11 +50,16 @@ impl AccelerationDerivatives {
     pub(super) fn new(
         equations: &mut Equations,
         parameters: &ModelParameters<'_>,
-        options: &Options,
+        request: &GenerationRequest,
     ) -> Result<AccelerationDerivatives, GenerateError> {
-        let source = parameters.frames.source;
+        let (source, options) = (parameters.frames.source, &request.options);
+        if options.user_constraints > 0 {
+            return Err(GenerateError::UserDerivatives {
+                function: request.function.name(),
+            });
+        }
         let roles = JointRoles::of_loops(source)?;
-        // None is left without rows of the user.
+        // Without rows of the user, a joint that needs one is an error.
         massless_joints(source, &roles, options)?;
         AccelerationDerivatives::at(equations, parameters, options, roles)
     }
@@ -166,9 +170,10 @@ impl ReducedMotion<'_, '_, '_> {
         let mut solutions = self.system.solve(equations, joints, &sides)?.into_iter();
         let mut entries = Vec::new();
         for (change, kept) in changes.iter().zip(kept) {
-            let solution = match kept {
-                true => solutions.next().expect("one solution per side"),
-                false => vec![Scalar::ZERO; free.len()],
+            let solution = if kept {
+                solutions.next().expect("one solution per side")
+            } else {
+                vec![Scalar::ZERO; free.len()]
             };
             let rows = free.iter().copied().zip(solution.iter().copied());
             entries.extend(rows.map(|(row, value)| (row, change.joint, value)));
@@ -236,21 +241,12 @@ impl ReducedMotion<'_, '_, '_> {
     }
 }
 
-/// Options and roles of joints without constraints.
-fn open(parameters: &ModelParameters<'_>, options: &Options) -> (Options, JointRoles) {
-    let joints = &parameters.frames.source.joints;
-    let free = (0..joints.len()).filter(|&joint| joints[joint].nature != Nature::Driven);
-    let roles = JointRoles {
-        free: free.collect(),
-        bound: Vec::new(),
-        dependent: Vec::new(),
-        rows: Vec::new(),
-    };
-    let options = Options {
+/// Options without constraints of the user.
+fn unbound(options: &Options) -> Options {
+    Options {
         user_constraints: 0,
         ..options.clone()
-    };
-    (options, roles)
+    }
 }
 
 /// Writes `Minv`.
@@ -260,9 +256,9 @@ pub(super) fn inverse(
     options: &Options,
 ) -> Result<(), GenerateError> {
     let dynamics = composite::dynamics(equations, parameters, options);
-    let (options, roles) = open(parameters, options);
-    let roles = (roles, &[][..]);
-    let mut motion = ReducedMotion::new(equations, parameters, &options, dynamics, roles)?;
+    let roles = (JointRoles::open(parameters.frames.source), &[][..]);
+    let options = &unbound(options);
+    let mut motion = ReducedMotion::new(equations, parameters, options, dynamics, roles)?;
     let entries = motion.inverse()?;
     output(equations, "Minv", &entries);
     Ok(())
@@ -274,8 +270,8 @@ pub(super) fn forward(
     parameters: &ModelParameters<'_>,
     options: &Options,
 ) -> Result<(), GenerateError> {
-    let (options, roles) = open(parameters, options);
-    let found = AccelerationDerivatives::at(equations, parameters, &options, roles)?;
-    found.output(equations);
+    let roles = JointRoles::open(parameters.frames.source);
+    let options = &unbound(options);
+    AccelerationDerivatives::at(equations, parameters, options, roles)?.output(equations);
     Ok(())
 }

@@ -301,12 +301,11 @@ impl LoopClosure<'_> {
         }
         let cut = &self.model.cuts[self.constraints.cut_of(row)];
         // The row of a rod is half the difference of the squares.
-        let rod = matches!(cut.kind, CutKind::Rod(_));
-        let gap = if let CutKind::Rod(length) = cut.kind {
+        let (gap, rod) = if let CutKind::Rod(length) = cut.kind {
             let distance = (2.0 * residual[row] + length * length).max(0.0).sqrt();
-            2.0 * gap / (distance + length)
+            (2.0 * gap / (distance + length), true)
         } else {
-            gap
+            (gap, false)
         };
         StateError::OpenLoop {
             cut: cut.name.clone(),
