@@ -63,6 +63,7 @@ mod sim;
 mod simulate;
 mod stress;
 mod study;
+mod superwords;
 mod suspension;
 mod targets;
 mod text;

@@ -40,7 +40,7 @@ def external(
 
     if derivatives not in ("none", "first", "second"):
         raise Error(f"derivatives is 'none', 'first' or 'second', not {derivatives!r}")
-    step = f"codegen{{target=casadi derivatives={derivatives}}}"
+    step = f"codegen{{target=casadi derivatives={derivatives} superwords=auto}}"
     files = program._inner.files(step, "thesis")
     place = pathlib.Path(tempfile.mkdtemp(prefix="robovec-") if folder is None else folder)
     if folder is None:

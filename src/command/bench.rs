@@ -8,6 +8,7 @@ use indicatif::ProgressBar;
 use robovec_bench::contestant::{Contestant, ContestantFamily};
 use robovec_bench::task::BenchTask;
 use robovec_bench::{BenchOutcome, BenchQuestion, Compiler, own, peers, robotran, text};
+use robovec_cgen::superword::SuperwordLanes;
 use robovec_dynamics::generate::{Formulation, Options, contenders};
 use robovec_error::yardstick::account::random_states;
 use robovec_io::files::TemporaryFolder;
@@ -449,6 +450,7 @@ impl BenchProgram {
                     family: self.family,
                     name: &name,
                     view: view(module),
+                    superwords: SuperwordLanes::None,
                 }));
             }
         }
@@ -465,6 +467,7 @@ const ROLLED: &str = "rolled";
 const WAYS: &[(&str, own::ContestantMaker)] = &[
     ("drop-in", robotran::drop_in),
     ("straight-line", own::straight),
+    ("superwords", own::superwords),
     (ROLLED, own::rolled),
     ("batch", own::batch),
     ("batch, array of states", own::batch_of_states),

@@ -2,6 +2,7 @@
 //!
 //! [`c`] writes a C99 function, [`batch`] one that evaluates many states at
 //! once, [`rolled`] one with loops; [`emit`] and [`sincos`] are shared by them.
+//! [`superword`] finds operations of the first that one vector can compute.
 //! [`fpcore`] writes for tools that bound rounding errors, and [`kind`] holds
 //! the signatures of Robotran's functions.
 
@@ -13,6 +14,7 @@ pub mod fpcore;
 pub mod kind;
 pub mod rolled;
 mod sincos;
+pub mod superword;
 pub mod template;
 #[cfg(test)]
 mod testing;

@@ -8,6 +8,7 @@ use super::tools::{BuildStep, Compiler};
 use robovec_cgen::batch;
 use robovec_cgen::c::{self, Real, c_files};
 use robovec_cgen::rolled::rolled_files;
+use robovec_cgen::superword::SuperwordLanes;
 use robovec_ir::View;
 use robovec_ir::count::Counts;
 
@@ -47,6 +48,8 @@ pub struct ContestantPlan<'a> {
     pub name: &'a str,
     /// Its equations.
     pub view: View<'a>,
+    /// Vectors of its straight-line code.
+    pub superwords: SuperwordLanes,
 }
 
 impl ContestantPlan<'_> {
@@ -97,12 +100,29 @@ pub type ContestantMaker = fn(&ContestantPlan<'_>) -> Contestant;
 pub fn straight(plan: &ContestantPlan<'_>) -> Contestant {
     let options = c::Options {
         signature: c::Signature::Plain,
+        superwords: plan.superwords,
         ..c::Options::default()
     };
     match c::files(plan.view, &options) {
         Ok(files) => Generated::plain(files, FLAGS).contestant(plan),
         Err(error) => plan.missing(error.to_string()),
     }
+}
+
+/// The same with vectors for operations of equal structure.
+pub fn superwords(plan: &ContestantPlan<'_>) -> Contestant {
+    let superwords = SuperwordLanes::Auto;
+    let options = c::Options {
+        superwords,
+        ..c::Options::default()
+    };
+    if c::vector_operations(plan.view.function, &options) == 0 {
+        return plan.missing("too few operations have equal structure".to_owned());
+    }
+    straight(&ContestantPlan {
+        superwords,
+        ..*plan
+    })
 }
 
 /// Straight-line C with the evaluator's results, bit for bit.
@@ -117,6 +137,7 @@ pub fn exact(question: &BenchQuestion<'_>, compiler: &Compiler, real: Real) -> C
         family: ContestantFamily::Equations,
         name: "C",
         view: question.view,
+        superwords: SuperwordLanes::None,
     })
 }
 

@@ -12,6 +12,7 @@ use super::harness::{self, Callee, CallingConvention, Parameter};
 use super::own::ContestantPlan;
 use super::tools::{BuildStep, Compiler};
 use robovec_cgen::c::{self, Real};
+use robovec_cgen::superword::SuperwordLanes;
 use robovec_ir::{Module, View};
 use robovec_robotran::Language;
 use robovec_robotran::write::{WriteOptions, write};
@@ -64,12 +65,17 @@ fn plan<'a>(
         family: ContestantFamily::Robotran,
         name,
         view: question.view,
+        superwords: SuperwordLanes::None,
     }
 }
 
 /// Robovec's C with Robotran's signature, in its place.
 pub fn drop_in(plan: &ContestantPlan<'_>) -> Contestant {
-    let [(_, text), (header, declaration)] = match c::files(plan.view, &c::Options::default()) {
+    let options = c::Options {
+        superwords: plan.superwords,
+        ..c::Options::default()
+    };
+    let [(_, text), (header, declaration)] = match c::files(plan.view, &options) {
         Ok(files) => files,
         Err(error) => return plan.missing(error.to_string()),
     };

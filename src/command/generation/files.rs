@@ -4,6 +4,7 @@ use crate::command::{CommandFailure, output};
 use clap::{Args, ValueEnum};
 use robovec_cgen::c::{Options, Real};
 use robovec_cgen::kind::Generation;
+use robovec_cgen::superword::SuperwordLanes;
 use robovec_io::files::Replace;
 use robovec_ir::Module;
 use robovec_robotran::Language;
@@ -50,6 +51,10 @@ pub(super) struct FileArguments {
     /// With --bounded or --whole-step: compute in this type; loops are closed in binary64
     #[arg(long, value_enum, default_value = "double", requires = "drop_in")]
     pub(super) number: CFloat,
+    /// With --bounded or --whole-step: vectors for operations that repeat in the sides of
+    /// a mechanism, such as legs; the C is for gcc and clang
+    #[arg(long, value_enum, default_value = "none", requires = "drop_in")]
+    pub(super) superwords: CSuperwords,
     /// Version of Robotran's generator whose names the C uses; by default that
     /// of the file, and 8.1 for a model
     #[arg(long, value_enum)]
@@ -80,6 +85,7 @@ impl FileArguments {
                 &DropInOptions {
                     c: Options {
                         real: self.number.real(),
+                        superwords: self.superwords.lanes(),
                         ..Options::default()
                     },
                     write: options,
@@ -111,6 +117,33 @@ impl CFloat {
         match self {
             CFloat::Double => Real::Double,
             CFloat::Float => Real::Float,
+        }
+    }
+}
+
+/// Numbers of a vector for operations of equal structure.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum CSuperwords {
+    /// No vectors
+    None,
+    /// Two, for two sides
+    #[value(name = "2")]
+    Two,
+    /// Four, for four legs or wheels
+    #[value(name = "4")]
+    Four,
+    /// The fewest instructions
+    Auto,
+}
+
+impl CSuperwords {
+    /// The vectors in C.
+    pub(super) fn lanes(self) -> SuperwordLanes {
+        match self {
+            CSuperwords::None => SuperwordLanes::None,
+            CSuperwords::Two => SuperwordLanes::Two,
+            CSuperwords::Four => SuperwordLanes::Four,
+            CSuperwords::Auto => SuperwordLanes::Auto,
         }
     }
 }

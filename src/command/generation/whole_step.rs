@@ -41,6 +41,7 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let style = StepStyle {
         c: &c::Options {
             real,
+            superwords: arguments.files.superwords.lanes(),
             ..c::Options::default()
         },
         generation: arguments

@@ -5,6 +5,7 @@ use super::given::GivenStarts;
 use crate::command::output::{self, result_files};
 use crate::command::{CommandFailure, telling};
 use robovec_cgen::c;
+use robovec_cgen::superword::SuperwordLanes;
 use robovec_explore::optimise::answer::{self, OptimisationAnswer};
 use robovec_explore::optimise::text::OptimisationPage;
 use robovec_explore::optimise::{
@@ -419,11 +420,16 @@ fn program_files(
                     Err(error) => return Err(error),
                 }
             }
-            files.extend(in_c(&found.program)?);
+            files.extend(in_c(&found.program, SuperwordLanes::None)?);
             Ok(files)
         }
         OptimisationTarget::Cpu => {
-            let mut files = in_c(&found.program)?;
+            // What is compiled here is timed with the vectors of this compiler.
+            let superwords = match question.compiler {
+                Some(_) => SuperwordLanes::Auto,
+                None => SuperwordLanes::None,
+            };
+            let mut files = in_c(&found.program, superwords)?;
             files.push((PROGRAM.to_owned(), print::print_module(&found.program)));
             Ok(files)
         }
@@ -437,14 +443,28 @@ fn program_files(
 
 /// C that replaces Robotran's file; of a function that is none of Robotran's,
 /// with its own arrays.
-fn in_c(module: &Module) -> Result<Vec<(String, String)>, CommandFailure> {
-    drop_in(module, &DropInOptions::default()).or_else(|_| plain_c(module))
+fn in_c(
+    module: &Module,
+    superwords: SuperwordLanes,
+) -> Result<Vec<(String, String)>, CommandFailure> {
+    let options = DropInOptions {
+        c: c::Options {
+            superwords,
+            ..c::Options::default()
+        },
+        ..DropInOptions::default()
+    };
+    drop_in(module, &options).or_else(|_| plain_c(module, superwords))
 }
 
 /// A function in C that takes its arrays one after the other.
-fn plain_c(module: &Module) -> Result<Vec<(String, String)>, CommandFailure> {
+fn plain_c(
+    module: &Module,
+    superwords: SuperwordLanes,
+) -> Result<Vec<(String, String)>, CommandFailure> {
     let options = c::Options {
         signature: c::Signature::Plain,
+        superwords,
         ..c::Options::default()
     };
     let files = c::files(view(module), &options);

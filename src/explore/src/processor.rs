@@ -11,6 +11,7 @@ use robovec_bench::contestant::{Contestant, ContestantFamily};
 use robovec_bench::task::BenchTask;
 use robovec_bench::{BenchOutcome, BenchQuestion, Compiler, bench, own};
 use robovec_cgen::c::Real;
+use robovec_cgen::superword::SuperwordLanes;
 use robovec_io::files::TemporaryFolder;
 use robovec_ir::View;
 use robovec_ir::count::Counts;
@@ -111,6 +112,7 @@ pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, S
             family,
             name: "C",
             view,
+            superwords: SuperwordLanes::None,
         })
     });
     let (rounds, milliseconds) = ROUNDS;

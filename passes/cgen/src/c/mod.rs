@@ -26,6 +26,9 @@
 //! **Sines.** All sines and cosines of angles that need no other sine are
 //! computed at the head in one loop that compilers turn into vector
 //! instructions ([`sines`]).
+//!
+//! **Superwords.** On request, operations that repeat in the sides of a
+//! mechanism are computed as vectors of gcc and clang ([`crate::superword`]).
 
 mod interface;
 pub mod layout;
@@ -34,12 +37,14 @@ mod pattern;
 mod sines;
 mod text;
 mod trial;
+mod vectors;
 
 pub use super::emit::Real;
 pub use interface::SignatureError;
 pub use layout::{ElementOrder, Layout, OutputLayout};
 pub use trial::{TrialState, minimal_data, trial_main};
 
+use crate::superword::SuperwordLanes;
 use interface::Interface;
 use layout::OutputLayouts;
 use parts::CodePlan;
@@ -98,6 +103,8 @@ pub struct Options {
     pub is_local: bool,
     /// The arrangement of arrays in the plain signature.
     pub layout: Layout,
+    /// The number of operations of equal structure that one vector computes.
+    pub superwords: SuperwordLanes,
 }
 
 impl Default for Options {
@@ -110,6 +117,7 @@ impl Default for Options {
             part: 500,
             is_local: false,
             layout: Layout::FromOne,
+            superwords: SuperwordLanes::None,
         }
     }
 }
@@ -192,6 +200,12 @@ pub fn output_layouts(
     is_sparse: bool,
 ) -> Vec<OutputLayout> {
     OutputLayouts::new(function, order, is_sparse).arrays
+}
+
+/// The number of operations on vectors of several values of equal structure
+/// ([`crate::superword`]).
+pub fn vector_operations(function: &Function, options: &Options) -> usize {
+    CodePlan::new(function, options, false).vector_operations()
 }
 
 /// The number of angles whose sines and cosines [`Sines::Inline`] computes in its

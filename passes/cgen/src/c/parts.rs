@@ -6,6 +6,7 @@ use super::{Options, Sines, StatementOrder};
 use crate::emit::crossing::{Crossing, PartValues};
 use crate::emit::inlining::{Inlining, assigned};
 use crate::emit::order::{CodeStep, depth_first, program};
+use crate::superword::Superwords;
 use robovec_analysis::slice::live;
 use robovec_ir::{Function, Operand, Value};
 
@@ -35,7 +36,10 @@ pub(super) struct CodePlan {
     /// True when all parts are in one function.
     pub(super) is_flat: bool,
     pub(super) slots: Slots,
+    pub(super) superwords: Superwords,
     crossing: Crossing,
+    /// The crossing of superwords, by the values of their first lanes.
+    word_crossing: Crossing,
 }
 
 impl CodePlan {
@@ -43,20 +47,25 @@ impl CodePlan {
     /// values are computed.
     pub(super) fn new(function: &Function, options: &Options, outputs_last: bool) -> CodePlan {
         let live = live(function);
-        let Inlining { inlined, sizes } = inlining(function, outputs_last);
         let slots = match options.sines {
             Sines::Inline => Slots::new(function, &live),
             Sines::Library => Slots::none(function),
         };
+        let early = early(function, &slots);
+        let superwords = superwords(function, options, &live, &slots, &early);
+        let Inlining { inlined, sizes } = inlining(function, outputs_last, &superwords);
         assert_eq!(live.len(), inlined.len(), "every node is inlined or not");
-        let computed: Vec<bool> = (live.iter().zip(&inlined))
-            .map(|(live, inlined)| *live && !inlined)
+        let computed: Vec<bool> = (function.values())
+            .map(|(value, _)| {
+                let index = value.index();
+                live[index] && !inlined[index] && superwords.leader(value) == value
+            })
             .collect();
         let ordered = match options.order {
             StatementOrder::Program => program(function, &computed),
-            StatementOrder::Depth => depth_first(function, &computed, outputs_last),
+            StatementOrder::Depth => depth_first(function, &computed, outputs_last, &superwords),
         };
-        let (head, body) = apart(function, ordered, &slots);
+        let (head, body) = apart(ordered, &slots, &early);
         let size = |statement: &CodeStatement| {
             let operand = match *statement {
                 CodeStatement::Step(CodeStep::Define(value)) => return sizes[value.index()],
@@ -76,9 +85,11 @@ impl CodePlan {
             head: head.len(),
             parts: head.into_iter().chain(body).collect(),
             crossing: Crossing::new(0, &[], 0, |_| 0..0),
+            word_crossing: Crossing::new(0, &[], 0, |_| 0..0),
             slots,
+            superwords,
         };
-        plan.crossing = plan.cross(function);
+        plan.cross(function);
         plan
     }
 
@@ -102,28 +113,41 @@ impl CodePlan {
         self.crossing.length
     }
 
+    /// The element of the array of superwords that one travels in.
+    pub(super) fn vector(&self, leader: Value) -> Option<u32> {
+        self.word_crossing.word(leader)
+    }
+
+    /// The element of the array of superwords to fetch one from in a part.
+    pub(super) fn load_vector(&self, leader: Value, part: usize) -> Option<u32> {
+        self.word_crossing.load(leader, part)
+    }
+
+    /// Number of operations on superwords.
+    pub(super) fn vector_operations(&self) -> usize {
+        let parts = self.parts.iter().flat_map(|part| &part.statements);
+        let vectors = parts.filter(|statement| match statement {
+            CodeStatement::Step(CodeStep::Define(value)) => {
+                self.superwords.computing(*value).is_some()
+            }
+            CodeStatement::Step(CodeStep::Assign(_)) | CodeStatement::Angle(_) => false,
+        });
+        vectors.count()
+    }
+
+    /// Length of the array of superwords.
+    pub(super) fn vectors(&self) -> u32 {
+        self.word_crossing.length
+    }
+
     /// Finds the values that cross from part to part; none does when all
     /// are in one function.
-    fn cross(&self, function: &Function) -> Crossing {
+    fn cross(&mut self, function: &Function) {
         let parts = if self.is_flat { &[] } else { &*self.parts };
-        let traffic: Vec<PartValues> = parts
+        let (traffic, word_traffic): (Vec<PartValues>, Vec<PartValues>) = parts
             .iter()
-            .map(|part| {
-                let mut traffic = PartValues::default();
-                for &statement in &part.statements {
-                    if let CodeStatement::Step(CodeStep::Define(value)) = statement {
-                        traffic.defined.push(value);
-                    }
-                    self.leaves(function, statement, |operand| {
-                        traffic.read.extend(operand.value());
-                    });
-                }
-                // Sines have words of their own.
-                traffic.read.retain(|&value| self.slots.of(value).is_none());
-                traffic.read.sort_unstable();
-                traffic
-            })
-            .collect();
+            .map(|part| self.traffic(function, part))
+            .unzip();
         // Angles are not read again once their sines are there.
         let freed = |part| {
             if part == self.head {
@@ -132,13 +156,47 @@ impl CodePlan {
                 0..0
             }
         };
-        Crossing::new(self.inlined.len(), &traffic, self.slots.words(), freed)
+        let values = self.inlined.len();
+        self.crossing = Crossing::new(values, &traffic, self.slots.words(), freed);
+        self.word_crossing = Crossing::new(values, &word_traffic, 0, |_| 0..0);
+    }
+
+    /// The values, and the superwords by their first lanes, that a part defines
+    /// and reads.
+    fn traffic(&self, function: &Function, part: &CodePart) -> (PartValues, PartValues) {
+        let mut values = PartValues::default();
+        let mut words = PartValues::default();
+        let is_vector = |value| self.superwords.computing(value).is_some();
+        for &statement in &part.statements {
+            if let CodeStatement::Step(CodeStep::Define(value)) = statement {
+                let own = if is_vector(value) {
+                    &mut words
+                } else {
+                    &mut values
+                };
+                own.defined.push(value);
+            }
+            self.leaves(function, statement, |operand| match operand.value() {
+                Some(value) if is_vector(value) => {
+                    words.read.push(self.superwords.leader(value));
+                }
+                // Sines have words of their own.
+                Some(value) if self.slots.of(value).is_none() => values.read.push(value),
+                _ => {}
+            });
+        }
+        values.read.sort_unstable();
+        words.read.sort_unstable();
+        (values, words)
     }
 
     /// Calls for every variable, input and constant in a statement's
     /// expression.
     fn leaves(&self, function: &Function, statement: CodeStatement, mut call: impl FnMut(Operand)) {
         let mut open: Vec<Operand> = match statement {
+            CodeStatement::Step(CodeStep::Define(value)) => {
+                self.superwords.reads(function, value).collect()
+            }
             CodeStatement::Step(step) => step.reads(function).to_vec(),
             CodeStatement::Angle(slot) => vec![self.slots.angles()[slot as usize]],
         };
@@ -153,16 +211,42 @@ impl CodePlan {
     }
 }
 
-/// The operations before the sines, angles last, and those after them.
-fn apart(
-    function: &Function,
-    ordered: Vec<CodeStep>,
-    slots: &Slots,
-) -> (Vec<CodeStatement>, Vec<CodeStatement>) {
+/// For each value whether an angle depends on it.
+fn early(function: &Function, slots: &Slots) -> Vec<bool> {
     let mut early = vec![false; function.nodes().len()];
     for &angle in slots.angles() {
         mark(function, angle, &mut early);
     }
+    early
+}
+
+/// The superwords of the operations after the sines.
+fn superwords(
+    function: &Function,
+    options: &Options,
+    live: &[bool],
+    slots: &Slots,
+    early: &[bool],
+) -> Superwords {
+    let loaded: Vec<bool> = (function.values())
+        .map(|(value, _)| live[value.index()] && slots.of(value).is_some())
+        .collect();
+    let computed: Vec<bool> = (live.iter().zip(early).zip(&loaded))
+        .map(|((live, early), loaded)| *live && !early && !loaded)
+        .collect();
+    match options.order {
+        StatementOrder::Depth => Superwords::find(function, &computed, &loaded, options.superwords),
+        // In the function's order lanes are too far apart.
+        StatementOrder::Program => Superwords::none(),
+    }
+}
+
+/// The operations before the sines, angles last, and those after them.
+fn apart(
+    ordered: Vec<CodeStep>,
+    slots: &Slots,
+    early: &[bool],
+) -> (Vec<CodeStatement>, Vec<CodeStatement>) {
     let mut head = Vec::new();
     let mut body = Vec::with_capacity(ordered.len());
     for step in ordered {
@@ -216,9 +300,10 @@ fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
 
 /// Unnamed operations are inside their user's expression. With outputs last,
 /// the assigned value is a variable, so that it is computed before.
-fn inlining(function: &Function, outputs_last: bool) -> Inlining {
+fn inlining(function: &Function, outputs_last: bool, words: &Superwords) -> Inlining {
     let given = assigned(function);
     Inlining::new(function, |value, node| {
-        node.name.is_none() && !(outputs_last && given[value.index()])
+        let is_last = outputs_last && given[value.index()];
+        node.name.is_none() && !is_last && words.computing(value).is_none()
     })
 }

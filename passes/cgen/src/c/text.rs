@@ -3,9 +3,11 @@
 use super::interface::Interface;
 use super::parts::{CodePart, CodePlan, CodeStatement};
 use super::pattern;
+use super::vectors;
 use super::{Options, Real};
 use crate::emit::expression::{BoundText, Operands, Tightness, apply, literal};
 use crate::emit::frame::{self, APART, CLONES};
+use crate::emit::names::CNames;
 use crate::emit::order::CodeStep;
 use crate::kind::model_name;
 use robovec_ir::{Function, Operand, OperandKind, Value, View};
@@ -14,27 +16,33 @@ use std::fmt::Write;
 
 /// Writes one function.
 pub(super) struct PlainWriter<'a> {
-    function: &'a Function,
-    real: Real,
+    pub(super) function: &'a Function,
+    pub(super) real: Real,
     is_local: bool,
-    plan: &'a CodePlan,
+    pub(super) plan: &'a CodePlan,
     interface: &'a Interface<'a>,
     parts: Vec<String>,
     /// The name of the function that computes sines.
     sines: String,
     /// The name of the work array.
     work: String,
+    /// The name of the array of superwords.
+    pub(super) vectors: String,
     /// For each node its variable; empty for inlined ones.
     values: Vec<String>,
+    /// For each superword its variable.
+    pub(super) words: Vec<String>,
 }
 
 /// The body of a part, and its variables.
 #[derive(Default)]
-struct PartBody {
-    text: String,
+pub(super) struct PartBody {
+    pub(super) text: String,
     pointers: BTreeSet<usize>,
     /// Values fetched from the work array so far.
     fetched: BTreeSet<Value>,
+    /// Superwords fetched or gathered so far.
+    pub(super) fetched_words: BTreeSet<usize>,
 }
 
 impl<'a> PlainWriter<'a> {
@@ -61,14 +69,26 @@ impl<'a> PlainWriter<'a> {
             .collect();
         let sines = names.take(&format!("{name}_sines"));
         let work = names.take("work");
+        let words = &plan.superwords;
+        let vectors = match words.lanes() {
+            1 => String::new(),
+            _ => names.take("vectors"),
+        };
         let values = function
             .values()
             .map(|(value, _)| {
-                if plan.is_inlined(value) {
+                if plan.is_inlined(value) || words.computing(value).is_some() {
                     String::new()
                 } else {
                     names.take_value(view, value)
                 }
+            })
+            .collect();
+        let words = words.words().iter();
+        let words = words
+            .map(|word| match word.items[0].value() {
+                Some(value) => names.take(&format!("{}_all", CNames::value(view, value))),
+                None => names.take("input_all"),
             })
             .collect();
         PlainWriter {
@@ -80,7 +100,9 @@ impl<'a> PlainWriter<'a> {
             parts,
             sines,
             work,
+            vectors,
             values,
+            words,
         }
     }
 
@@ -154,6 +176,9 @@ impl<'a> PlainWriter<'a> {
             text.push_str(APART);
             text.push_str(CLONES);
         }
+        if self.plan.superwords.lanes() > 1 {
+            *text += &vectors::types(self.plan.superwords.lanes(), self.real);
+        }
     }
 
     /// True if elements of arrays must be set to zero.
@@ -167,6 +192,9 @@ impl<'a> PlainWriter<'a> {
     fn part(&self, text: &mut String, number: usize, part: &CodePart) {
         let mut list = self.interface.inner.clone();
         list.add(&format!("{} *restrict ", self.real.name()), &self.work);
+        if self.plan.vectors() > 0 {
+            list.add(&format!("{} *restrict ", self.vector()), &self.vectors);
+        }
         let mut body = PartBody::default();
         self.statements(&mut body, number, part);
         let head = format!(
@@ -183,6 +211,10 @@ impl<'a> PlainWriter<'a> {
         if self.plan.work() > 0 || !self.plan.is_flat {
             let words = self.plan.work().max(1);
             let _ = writeln!(text, "    {} {}[{words}];", self.real.name(), self.work);
+        }
+        if self.plan.vectors() > 0 {
+            let (vector, count) = (self.vector(), self.plan.vectors());
+            let _ = writeln!(text, "    {vector} {}[{count}];", self.vectors);
         }
         let slots = &self.plan.slots;
         let angles = slots.angle_words();
@@ -204,6 +236,9 @@ impl<'a> PlainWriter<'a> {
     fn main(&self) -> String {
         let mut list = self.interface.inner.clone();
         list.add("", &self.work);
+        if self.plan.vectors() > 0 {
+            list.add("", &self.vectors);
+        }
         let arguments = list.arguments();
         let mut body = PartBody::default();
         for (number, part) in self.plan.parts.iter().enumerate() {
@@ -235,6 +270,15 @@ impl<'a> PlainWriter<'a> {
                 frame::quoted(model)
             );
         }
+        let words = &self.plan.superwords;
+        if words.lanes() > 1 {
+            let _ = writeln!(
+                text,
+                "   {} operations are on vectors of {} numbers of equal structure.",
+                self.plan.vector_operations(),
+                words.lanes()
+            );
+        }
         text + &frame::boundaries(self.function) + "*/\n"
     }
 
@@ -251,6 +295,11 @@ impl<'a> PlainWriter<'a> {
         let real = self.real.name();
         for &statement in &part.statements {
             match statement {
+                CodeStatement::Step(CodeStep::Define(value))
+                    if let Some((word, _)) = self.plan.superwords.computing(value) =>
+                {
+                    self.define_word(body, number, word, value);
+                }
                 CodeStatement::Step(CodeStep::Define(value)) => {
                     let name = &self.values[value.index()];
                     let expression = self.expression(body, number, value).text;
@@ -302,12 +351,25 @@ impl<'a> PlainWriter<'a> {
         apply(node.operation, &operands, self.real, Operands::Numbers)
     }
 
-    fn operand(&self, body: &mut PartBody, number: usize, operand: Operand) -> BoundText {
+    pub(super) fn operand(
+        &self,
+        body: &mut PartBody,
+        number: usize,
+        operand: Operand,
+    ) -> BoundText {
         match operand.kind() {
             OperandKind::Value(value) if self.plan.is_inlined(value) => {
                 self.expression(body, number, value)
             }
-            OperandKind::Value(value) => BoundText::primary(self.variable(body, number, value)),
+            OperandKind::Value(value) => {
+                let text = match self.plan.superwords.computing(value) {
+                    Some((word, lane)) => {
+                        format!("{}[{lane}]", self.word(body, number, word))
+                    }
+                    None => self.variable(body, number, value),
+                };
+                BoundText::primary(text)
+            }
             OperandKind::Input(input) => {
                 let element = self.interface.element(false, input.0);
                 body.pointers.extend(element.pointer);

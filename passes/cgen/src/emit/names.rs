@@ -100,11 +100,16 @@ impl CNames {
 
     /// The name of the variable of a value.
     pub(crate) fn take_value(&mut self, view: View<'_>, value: Value) -> String {
+        self.take(&CNames::value(view, value))
+    }
+
+    /// The name that is wanted for a value.
+    pub(crate) fn value(view: View<'_>, value: Value) -> String {
         let name = view.function.node(value).name;
         if name.is_none() {
-            self.take(&format!("inner_{}", value.0))
+            format!("inner_{}", value.0)
         } else {
-            self.take(&name.display(&view.tables.symbols))
+            name.display(&view.tables.symbols).to_string()
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::program::{ExplorationError, transformed_by, view};
 use robovec_analysis::critical_path::critical_path;
 use robovec_bench::contestant::{Contestant, ContestantFamily};
 use robovec_bench::{BenchOutcome, BenchQuestion, Compiler, bench, own, robotran};
+use robovec_cgen::superword::SuperwordLanes;
 use robovec_error::yardstick::Yardstick;
 use robovec_fpga::hardware;
 use robovec_io::files::TemporaryFolder;
@@ -102,6 +103,7 @@ fn timed(
             family: ContestantFamily::Equations,
             name: "the same equations",
             view: view(start),
+            superwords: SuperwordLanes::None,
         });
         forms.push(("the same equations in robovec's C", own));
     }

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use robovec_analysis::processor::processor_work;
 use robovec_bench::contestant::{Contestant, ContestantFamily};
 use robovec_bench::{BenchOutcome, BenchQuestion, Compiler, bench, own, robotran};
+use robovec_cgen::superword::SuperwordLanes;
 use robovec_io::files::TemporaryFolder;
 use robovec_passes::optimise::search::SearchOutcome;
 use robovec_passes::optimise::steps::{FEWEST, PREPARATIONS, PRESET, SearchStep};
@@ -222,6 +223,7 @@ fn contestant(
         family: ContestantFamily::Equations,
         name: &trial.name,
         view: view(&trial.program.module),
+        superwords: SuperwordLanes::Auto,
     };
     if question.target == OptimisationTarget::Batch {
         return own::batch(&plan);

@@ -18,12 +18,13 @@ mod tests;
 
 pub(crate) use registers::by_registers;
 
+use crate::superword::Superwords;
 use robovec_ir::{Function, Operand, Value};
 
 /// A step of straight-line code.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum CodeStep {
-    /// Computes a value.
+    /// Computes a value, or the superword whose first lane it is.
     Define(Value),
     /// Sets an output element: the place among the assignments.
     Assign(u32),
@@ -52,7 +53,8 @@ pub(crate) fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
 
 /// The values that are marked in `computed`, each once and after its operands,
 /// and all assignments. With `outputs_last` no output is written before all
-/// values are computed.
+/// values are computed. A superword is computed in place of the value
+/// in its first lane, which alone is marked.
 ///
 /// Outputs are taken from the last to the first: most operations belong to a
 /// recursion from the leaves of a tree to its root, in which those of the last
@@ -61,9 +63,10 @@ pub(crate) fn depth_first(
     function: &Function,
     computed: &[bool],
     outputs_last: bool,
+    words: &Superwords,
 ) -> Vec<CodeStep> {
     let needs = needs(function);
-    let mut walk = DepthWalk::new(function, &needs, Ties::LeftFirst);
+    let mut walk = DepthWalk::new(function, &needs, Ties::LeftFirst, words);
     let mut steps = Vec::with_capacity(computed.len());
     let outputs = 0..function.assignments.len() as u32;
     let mut found = Vec::new();
@@ -81,7 +84,7 @@ pub(crate) fn depth_first(
         steps.extend(outputs.map(CodeStep::Assign));
     }
     debug_assert!(
-        follows_operands(function, computed, &steps),
+        follows_operands(function, computed, &steps, words),
         "a value is computed once, before it is read"
     );
     steps
@@ -89,16 +92,24 @@ pub(crate) fn depth_first(
 
 /// True when every value is computed at most once, and the values that are
 /// marked in `computed` before they are read.
-fn follows_operands(function: &Function, computed: &[bool], steps: &[CodeStep]) -> bool {
+fn follows_operands(
+    function: &Function,
+    computed: &[bool],
+    steps: &[CodeStep],
+    words: &Superwords,
+) -> bool {
     let mut defined = vec![false; computed.len()];
-    steps.iter().all(|step| {
-        let mut reads = step.reads(function).iter().filter_map(|read| read.value());
-        let is_ready = reads.all(|read| defined[read.index()] || !computed[read.index()]);
-        match step {
-            CodeStep::Define(value) => {
-                is_ready && !std::mem::replace(&mut defined[value.index()], true)
-            }
-            CodeStep::Assign(_) => is_ready,
+    steps.iter().all(|step| match *step {
+        CodeStep::Define(value) => {
+            let reads = words.reads(function, value);
+            let mut reads = reads.filter_map(|read| read.value().map(|read| words.leader(read)));
+            let is_ready = reads.all(|read| defined[read.index()] || !computed[read.index()]);
+            is_ready && !std::mem::replace(&mut defined[value.index()], true)
+        }
+        CodeStep::Assign(_) => {
+            let mut reads = step.reads(function).iter().filter_map(|read| read.value());
+            let read = reads.next().map(|read| words.leader(read));
+            read.is_none_or(|read| defined[read.index()] || !computed[read.index()])
         }
     })
 }
@@ -115,6 +126,7 @@ struct DepthWalk<'a> {
     function: &'a Function,
     keys: &'a [u32],
     ties: Ties,
+    words: &'a Superwords,
     /// For each value whether it was found, or shall not be.
     done: Vec<bool>,
     /// The work left; true when all operands were found.
@@ -122,11 +134,17 @@ struct DepthWalk<'a> {
 }
 
 impl<'a> DepthWalk<'a> {
-    fn new(function: &'a Function, keys: &'a [u32], ties: Ties) -> DepthWalk<'a> {
+    fn new(
+        function: &'a Function,
+        keys: &'a [u32],
+        ties: Ties,
+        words: &'a Superwords,
+    ) -> DepthWalk<'a> {
         DepthWalk {
             function,
             keys,
             ties,
+            words,
             done: vec![false; keys.len()],
             open: Vec::new(),
         }
@@ -135,7 +153,8 @@ impl<'a> DepthWalk<'a> {
     /// Appends the values that a root depends on and that were not found
     /// before, and the root.
     fn reach(&mut self, root: Operand, found: &mut Vec<Value>) {
-        self.open.extend(root.value().map(|value| (value, false)));
+        let root = root.value().map(|value| self.words.leader(value));
+        self.open.extend(root.map(|value| (value, false)));
         while let Some((value, entered)) = self.open.pop() {
             if entered {
                 found.push(value);
@@ -146,9 +165,10 @@ impl<'a> DepthWalk<'a> {
             }
             self.open.push((value, true));
             let first = self.open.len();
-            let operands = self.function.node(value).operands().iter();
+            let operands = self.words.reads(self.function, value);
             let values = operands.filter_map(|operand| operand.value());
-            self.open.extend(values.map(|value| (value, false)));
+            let values = values.map(|value| (self.words.leader(value), false));
+            self.open.extend(values);
             // The last one is walked first.
             let below = &mut self.open[first..];
             if self.ties == Ties::LeftFirst {

@@ -10,6 +10,7 @@
 //! ready, read registers, and end the lives of values there.
 
 use super::{CodeStep, DepthWalk, Ties, follows_operands};
+use crate::superword::Superwords;
 use robovec_ir::{Function, Operand, OperandKind, Value};
 use std::collections::BTreeSet;
 
@@ -51,7 +52,7 @@ pub(crate) fn by_registers(
         steps.extend(setters[value.index()].iter().copied().map(CodeStep::Assign));
     }
     debug_assert!(
-        follows_operands(function, computed, &steps),
+        follows_operands(function, computed, &steps, &Superwords::none()),
         "a value is computed once, before it is read"
     );
     steps
@@ -65,7 +66,8 @@ fn walk(function: &Function, computed: &[bool]) -> Vec<Value> {
         let below = node.operands().iter().filter_map(|operand| operand.value());
         depths[value.index()] = below.fold(0, |most, v| most.max(depths[v.index()] + 1));
     }
-    let mut walk = DepthWalk::new(function, &depths, Ties::RightFirst);
+    let none = Superwords::none();
+    let mut walk = DepthWalk::new(function, &depths, Ties::RightFirst, &none);
     for (done, computed) in walk.done.iter_mut().zip(computed) {
         *done = !computed;
     }
