@@ -131,7 +131,7 @@ declare_pass! {
     /// (`docs/targets.md`); `target=template` does so by the template in the
     /// folder that `--target` names.
     ///
-    /// With `superwords=2` or `4` operations of plain C, and of C for CasADi,
+    /// With `superwords=2`, `3` or `4` operations of plain C, and of C for CasADi,
     /// that repeat in the sides of a mechanism are computed as vectors of so
     /// many numbers, which gcc and clang have; `auto` takes the number with the
     /// fewest instructions. Results stay equal bit for bit.

@@ -129,6 +129,9 @@ pub(super) enum CSuperwords {
     /// Two, for two sides
     #[value(name = "2")]
     Two,
+    /// Three, for three arms
+    #[value(name = "3")]
+    Three,
     /// Four, for four legs or wheels
     #[value(name = "4")]
     Four,
@@ -142,6 +145,7 @@ impl CSuperwords {
         match self {
             CSuperwords::None => SuperwordLanes::None,
             CSuperwords::Two => SuperwordLanes::Two,
+            CSuperwords::Three => SuperwordLanes::Three,
             CSuperwords::Four => SuperwordLanes::Four,
             CSuperwords::Auto => SuperwordLanes::Auto,
         }

@@ -177,7 +177,7 @@ impl<'a> PlainWriter<'a> {
             text.push_str(CLONES);
         }
         if self.plan.superwords.lanes() > 1 {
-            *text += &vectors::types(self.plan.superwords.lanes(), self.real);
+            *text += &vectors::types(self.plan.superwords.width(), self.real);
         }
     }
 

@@ -7,12 +7,12 @@ use robovec_ir::{Operand, Operation, Value};
 use std::fmt::Write;
 
 /// The type of a vector, once in a file.
-pub(super) fn types(lanes: usize, real: Real) -> String {
-    let name = type_name(lanes, real);
+pub(super) fn types(width: usize, real: Real) -> String {
+    let name = type_name(width, real);
     let upper = name.to_ascii_uppercase();
     let size = match real {
-        Real::Double => 8 * lanes,
-        Real::Float => 4 * lanes,
+        Real::Double => 8 * width,
+        Real::Float => 4 * width,
     };
     let real = real.name();
     format!(
@@ -25,15 +25,15 @@ pub(super) fn types(lanes: usize, real: Real) -> String {
 }
 
 /// The name of the type of a vector.
-fn type_name(lanes: usize, real: Real) -> String {
+fn type_name(width: usize, real: Real) -> String {
     let first = &real.name()[..1];
-    format!("robovec_{first}{lanes}_word")
+    format!("robovec_{first}{width}_word")
 }
 
 impl PlainWriter<'_> {
     /// The type of a superword.
     pub(super) fn vector(&self) -> String {
-        type_name(self.plan.superwords.lanes(), self.real)
+        type_name(self.plan.superwords.width(), self.real)
     }
 
     /// Computes a superword, whose first lane is `leader`.
@@ -91,7 +91,16 @@ impl PlainWriter<'_> {
     }
 
     fn braces(&self, lanes: Vec<String>) -> BoundText {
-        BoundText::primary(format!("({}){{{}}}", self.vector(), lanes.join(", ")))
+        let lanes = self.filled(lanes);
+        BoundText::primary(format!("({}){{{lanes}}}", self.vector()))
+    }
+
+    /// The lanes of a vector; one that is not used repeats the first, so that it
+    /// holds a number of the function.
+    fn filled(&self, mut lanes: Vec<String>) -> String {
+        let unused = self.plan.superwords.width() - lanes.len();
+        lanes.extend(vec![lanes[0].clone(); unused]);
+        lanes.join(", ")
     }
 
     /// The variable of a superword; it is fetched or gathered where a part reads
@@ -109,8 +118,7 @@ impl PlainWriter<'_> {
             _ => {
                 let lanes = own.items.iter();
                 let lanes = lanes.map(|&item| self.operand(body, number, item).text);
-                let lanes: Vec<String> = lanes.collect();
-                Some(format!("{{{}}}", lanes.join(", ")))
+                Some(format!("{{{}}}", self.filled(lanes.collect())))
             }
         };
         if let Some(text) = fetched

@@ -38,9 +38,11 @@ option_words! {
         None = "none",
         /// Two, for mechanisms with two sides.
         Two = "2",
+        /// Three, in vectors of four, for three arms.
+        Three = "3",
         /// Four, for mechanisms with four legs or wheels.
         Four = "4",
-        /// Two, four or none, whichever has the fewest instructions.
+        /// Two, three, four or none, whichever has the fewest instructions.
         Auto = "auto",
     }
 }
@@ -98,8 +100,9 @@ impl Superwords {
         let lanes: &[usize] = match lanes {
             SuperwordLanes::None => &[],
             SuperwordLanes::Two => &[2],
+            SuperwordLanes::Three => &[3],
             SuperwordLanes::Four => &[4],
-            SuperwordLanes::Auto => &[2, 4],
+            SuperwordLanes::Auto => &[2, 3, 4],
         };
         if lanes.is_empty() {
             return Superwords::none();
@@ -117,9 +120,14 @@ impl Superwords {
         }
     }
 
-    /// Numbers of a vector; 1 if there are no superwords.
+    /// Numbers of a superword; 1 if there are none.
     pub(crate) fn lanes(&self) -> usize {
         self.lanes
+    }
+
+    /// Numbers of a vector that holds a superword.
+    pub(crate) fn width(&self) -> usize {
+        self.lanes.next_power_of_two()
     }
 
     /// The superwords by number; those taken apart are not read by any other.
