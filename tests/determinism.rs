@@ -95,6 +95,7 @@ fn pipelines_give_the_same_bytes() {
         "$shorten,place,codegen",
         "$ahead",
         "$cpu,codegen{target=c}",
+        "$cpu,codegen{target=c superwords=auto}",
         "$cpu,codegen{target=batch}",
         "$cpu,codegen{target=mlir}",
         "atomise,zero-removal,balance,eqsat,cse,dce,factor,recurrence",

@@ -66,6 +66,32 @@ pub(crate) struct Superword {
     pub(crate) operands: Vec<Vec<Operand>>,
 }
 
+impl Superword {
+    /// True if every lane of a superword that computes has operation and
+    /// operands of its value.
+    fn repeats(&self, function: &Function) -> bool {
+        let Some(operation) = self.operation else {
+            return true;
+        };
+        self.items.iter().enumerate().all(|(lane, item)| {
+            let value = item
+                .value()
+                .expect("a superword that computes holds values");
+            let node = function.node(value);
+            let own: Vec<Operand> = self.operands.iter().map(|lanes| lanes[lane]).collect();
+            let is_same = node.operands() == own;
+            let is_either = is_same || node.operands().iter().eq(own.iter().rev());
+            match operation {
+                Operation::Add if self.negative >> lane & 1 == 1 => {
+                    node.operation == Operation::Sub && is_same
+                }
+                Operation::Add | Operation::Mul => node.operation == operation && is_either,
+                _ => node.operation == operation && is_same,
+            }
+        })
+    }
+}
+
 /// The superwords of a function.
 #[derive(Clone, Debug)]
 pub(crate) struct Superwords {
@@ -115,7 +141,13 @@ impl Superwords {
         let found = lanes.iter().map(|&lanes| seeds::superwords(&graph, lanes));
         let best = found.min_by_key(|(instructions, _)| *instructions);
         match best {
-            Some((instructions, words)) if instructions <= most => words,
+            Some((instructions, words)) if instructions <= most && worth::is_useful(&words) => {
+                assert!(
+                    words.words.iter().all(|word| word.repeats(function)),
+                    "every lane computes its value"
+                );
+                words
+            }
             _ => Superwords::none(),
         }
     }

@@ -26,6 +26,11 @@ pub(super) fn prune(graph: &DataGraph<'_>, words: &mut Superwords) {
     }
 }
 
+/// True if a superword computes.
+pub(super) fn is_useful(words: &Superwords) -> bool {
+    (0..words.words.len()).any(|number| is_whole(words, number))
+}
+
 /// True for superwords that compute and were not taken apart.
 fn is_whole(words: &Superwords, number: usize) -> bool {
     let word = &words.words[number];
