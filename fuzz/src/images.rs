@@ -49,7 +49,6 @@ pub fn damage_and_run(bytes: &mut Unstructured<'_>) -> Result<bool> {
     let Ok(program) = LoadedProgram::load_edited(&files, &machine) else {
         return Ok(false);
     };
-    let _ = program.occupation();
     Ok(program.run(&inputs).is_ok())
 }
 

@@ -1,6 +1,6 @@
 //! Tree balancing (thesis 2.4.3).
 
-use crate::cse::merge_equal_noting;
+use crate::cse::merge_equal;
 use crate::reassociate::{TreeShape, reassociate_asking};
 use crate::sums::groups::GroupReach;
 use robovec_analysis::critical_path::{Weights, arrivals, longest};
@@ -57,7 +57,7 @@ impl Balance {
         let merged = match function.level {
             Level::Atomic => {
                 let notes = &mut Notes::unwanted();
-                merge_equal_noting(function, tables, rewrites, notes).map(|(function, _)| function)
+                merge_equal(function, tables, rewrites, notes).map(|(function, _)| function)
             }
             _ => None,
         };

@@ -139,19 +139,8 @@ impl SourceMerges {
 }
 
 /// The function with equal operations merged, and the number of merges; `None`
-/// when there are none.
-pub fn merge_equal(function: &Function, tables: &mut Tables) -> Option<(Function, u64)> {
-    merge_equal_noting(
-        function,
-        tables,
-        &RewriteLimit::default(),
-        &mut Notes::unwanted(),
-    )
-}
-
-/// As [`merge_equal`], with a test before each merge and a note of the merged
-/// values.
-pub fn merge_equal_noting(
+/// when there are none. Tests before each merge, and notes the merged values.
+pub fn merge_equal(
     function: &Function,
     tables: &mut Tables,
     rewrites: &RewriteLimit,
@@ -219,7 +208,7 @@ impl Pass for Cse {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let mut count = 0;
         let (rewrites, notes) = (context.rewrites, &mut *context.notes);
-        if let Some((new, merged)) = merge_equal_noting(function, context.tables, rewrites, notes) {
+        if let Some((new, merged)) = merge_equal(function, context.tables, rewrites, notes) {
             *function = new;
             count = merged;
         }

@@ -20,12 +20,10 @@ mod error;
 mod fit;
 mod load;
 pub mod mif;
-mod occupation;
 mod program;
 mod run;
 mod trace;
 
 pub use error::{Hazard, LoadError};
-pub use occupation::{ElementOccupation, MachineOccupation};
 pub use program::{LoadedProgram, SimulatedOutputs};
 pub use trace::{LoadedWord, Trace, TracedResult};

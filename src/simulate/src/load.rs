@@ -277,7 +277,6 @@ impl<'a> Loader<'a> {
             let buffer_words = element.buffer.as_ref().map_or(0, |buffer| buffer.words);
             units.push(ElementUnit {
                 name: element.name.clone(),
-                kind: element.kind.clone(),
                 latency: stages + 1,
                 operations,
                 memories,

@@ -37,7 +37,6 @@ pub struct LoadedProgram {
 #[derive(Clone, Debug)]
 pub(super) struct ElementUnit {
     pub(super) name: String,
-    pub(super) kind: String,
     /// Cycles from the issue to the result on the bus.
     pub(super) latency: u32,
     pub(super) operations: Vec<Operation>,

@@ -9,7 +9,7 @@
 //! - a *bound* of an output's error, the sum of adjoint times half a unit in
 //!   the last place over all operations ([`AdjointRun::bounds`]);
 //! - the *signed prediction* of the error, the sum of adjoint times the
-//!   rounding that an operation really made ([`AdjointRun::predictions`]);
+//!   rounding that an operation really made ([`AdjointRun::outputs`]);
 //! - the *blame*: which operation, which source equation and which input the
 //!   error comes from ([`Blame`]).
 //!

@@ -224,14 +224,4 @@ impl<'a> AdjointRun<'a> {
         let outputs = self.outputs(outputs);
         outputs.iter().map(|output| output.bound).collect()
     }
-
-    /// The signed predictions alone, as [`AdjointRun::outputs`] gives them.
-    ///
-    /// # Panics
-    ///
-    /// Panics when an output does not exist.
-    pub fn predictions(&self, outputs: &[usize]) -> Vec<f64> {
-        let outputs = self.outputs(outputs);
-        outputs.iter().map(|output| output.predicted).collect()
-    }
 }

@@ -285,7 +285,7 @@ impl BackwardWalk {
                 continue;
             };
             let old = match item {
-                TrackedItem::Value(name) => origin(&before.state, &owners, &stage.notes, name),
+                TrackedItem::Value(name) => origin(&before.state, &owners, name),
                 TrackedItem::Output(_) => before.subject(item),
             };
             if let Some(old) = old {

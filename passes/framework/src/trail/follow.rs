@@ -52,7 +52,7 @@ impl Follower {
                 values.push(History::NONE);
                 continue;
             }
-            let origin = origin(&self.state, &owners, notes, node.name);
+            let origin = origin(&self.state, &owners, node.name);
             let history = origin.map_or(History::NONE, |origin| steps.history_of(origin));
             let same = self.state.value(node.name).is_some_and(|old| {
                 let old = self
@@ -86,17 +86,15 @@ impl Follower {
     }
 }
 
-/// The origin of the value that has a name after a pass.
+/// The origin of the value that has a name after a pass: the value of that name
+/// before it, or else its namesake, so that `OM16.2` comes from `OM16`.
 pub(super) fn origin(
     before: &DefinitionState,
     owners: &OutputSymbols,
-    notes: &Notes,
     name: Name,
 ) -> Option<DefinitionSubject> {
-    let own = before.value(name);
-    let noted = || notes.origin(name).and_then(|origin| before.value(origin));
-    let value = own.or_else(noted).map(DefinitionSubject::Value);
-    value.or_else(|| before.namesake(name, owners))
+    let own = before.value(name).map(DefinitionSubject::Value);
+    own.or_else(|| before.namesake(name, owners))
 }
 
 /// The table of steps being extended by one pass.

@@ -15,8 +15,6 @@ pub struct Notes {
     rule_index: HashMap<String, u32, FxBuildHasher>,
     /// The rules that made a value, in order of the notes.
     made_by: HashMap<Name, Vec<u32>, FxBuildHasher>,
-    /// The value of the old function from which a value was made.
-    origins: HashMap<Name, Name, FxBuildHasher>,
 }
 
 impl Notes {
@@ -46,16 +44,6 @@ impl Notes {
     pub fn note(&mut self, name: Name, rule: &str) {
         if self.wanted {
             self.keep(name, rule);
-        }
-    }
-
-    /// The value that has this name after the pass was made from the value of
-    /// that name before it. Needed only where the names do not show: a value
-    /// keeps its own history, and `OM16.2` is taken to come from `OM16`.
-    #[inline]
-    pub fn note_origin(&mut self, name: Name, origin: Name) {
-        if self.wanted {
-            self.origins.insert(name, origin);
         }
     }
 
@@ -90,11 +78,6 @@ impl Notes {
         let noted = noted.filter(|(_, rules)| rules.contains(number));
         noted.map(|(name, _)| *name).min()
     }
-
-    /// The recorded source of a value.
-    pub fn origin(&self, name: Name) -> Option<Name> {
-        self.origins.get(&name).copied()
-    }
 }
 
 /// The rule noted for a value that took over another of this name (`%OM16`).
@@ -121,11 +104,8 @@ mod tests {
             for rule in ["factor", "negate", "factor"] {
                 notes.note(name, rule);
             }
-            notes.note_origin(other, name);
             assert_eq!(notes.rules(name).collect::<Vec<_>>(), expected);
             assert_eq!(notes.rules(other).count(), 0);
-            let origin = notes.are_wanted().then_some(name);
-            assert_eq!(notes.origin(other), origin);
         }
     }
 }

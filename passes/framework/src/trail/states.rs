@@ -62,7 +62,7 @@ fn state_after<'a>(tables: &Tables, stage: &'a Stage, after: &'a Function) -> Tr
         if node.name.is_none() {
             None
         } else {
-            origin(&before, &owners, notes, node.name)
+            origin(&before, &owners, node.name)
         }
     });
     let assignments = after.assignments.iter();
