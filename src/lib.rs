@@ -3,7 +3,6 @@
 pub mod command;
 pub mod evaluate_command;
 
-pub use command::{grammar, limits};
 pub use robovec_bench as bench;
 pub use robovec_dynamics::{generate, kinematics, motion, stale, whole_step};
 pub use robovec_error::{accuracy, errors, yardstick};

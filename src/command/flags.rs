@@ -1,17 +1,17 @@
 //! Limits of the numbers that flags take.
 //!
 //! A flag declares its limit beside itself (`add = whole(1, 1000, "…")`);
-//! [`enforce`] gives every flag with a limit a parser that tests it, and
-//! [`rows`] lists them. A test refuses a flag that is a number and has none.
+//! [`enforce`] gives every flag with a limit a parser that tests it. A test
+//! refuses a flag that is a number and has none.
 
 use clap::builder::ArgExt;
 use clap::{Arg, Command};
-use robovec_num::limits::{LimitRow, NumberLimit};
+use robovec_num::limits::NumberLimit;
 use std::any::TypeId;
 
 /// Limit of a flag's number, kept by `clap` beside the flag.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FlagLimit(pub(crate) NumberLimit);
+pub struct FlagLimit(pub NumberLimit);
 
 impl ArgExt for FlagLimit {}
 
@@ -70,47 +70,6 @@ fn limited(flag: Arg) -> Arg {
     } else {
         flag
     }
-}
-
-/// The limits of a program's flags, subcommands included.
-pub(crate) fn rows(command: &Command) -> Vec<LimitRow> {
-    let mut rows: Vec<LimitRow> = Vec::new();
-    let program = command.get_name();
-    let mut rest = vec![(command.get_name().to_owned(), command)];
-    while let Some((place, command)) = rest.pop() {
-        for flag in command.get_arguments() {
-            let Some((&FlagLimit(limit), long)) = flag.get::<FlagLimit>().zip(flag.get_long())
-            else {
-                continue;
-            };
-            let usual = flag.get_default_values().iter();
-            let usual: Vec<String> = usual
-                .map(|value| value.to_string_lossy().into_owned())
-                .collect();
-            // A global flag is one, in however many commands it is.
-            let own = if flag.is_global_set() {
-                program
-            } else {
-                &place
-            };
-            let name = format!("--{long}");
-            if !rows.iter().any(|row| row.place == own && row.name == name) {
-                rows.push(LimitRow {
-                    place: own.to_owned(),
-                    name,
-                    limit,
-                    usual: usual.join(","),
-                });
-            }
-        }
-        let inner = command.get_subcommands();
-        let mut inner: Vec<(String, &Command)> = inner
-            .map(|inner| (format!("{place} {}", inner.get_name()), inner))
-            .collect();
-        inner.reverse();
-        rest.append(&mut inner);
-    }
-    rows
 }
 
 #[cfg(test)]

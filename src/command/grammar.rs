@@ -3,131 +3,38 @@
 //!
 //! **Invariants.** A word of [`WORDS`] takes the same kind of value in every
 //! command that has it ([`apply`] writes its name); every command is in one
-//! group and has examples, which tests read as command lines. The page
-//! `docs/commands.md` is made from here.
+//! group and has examples, which tests read as command lines. A test compares
+//! the page `docs/commands.md` with them.
 
-use super::former::{FORMER, FormerCommand};
 use clap::{Arg, Command};
-use robovec_present::number::or_nothing;
 use std::fmt::Write;
 
-/// A word of the command line.
-struct GrammarWord {
-    long: &'static str,
-    /// Name of its value; `None` for a word without one.
-    value: Option<&'static str>,
-    meaning: &'static str,
-}
-
-const fn word(
-    long: &'static str,
-    value: Option<&'static str>,
-    meaning: &'static str,
-) -> GrammarWord {
-    GrammarWord {
-        long,
-        value,
-        meaning,
-    }
-}
-
-const WORDS: [GrammarWord; 20] = [
-    word(
-        "function",
-        Some("NAME"),
-        "a function of a file that has several, or the function to generate from a model (by default `dirdyna`); names separated by commas where several are allowed",
-    ),
-    word(
-        "formulation",
-        Some("NAME"),
-        "the recursion that generates a model's equations ([generate.md](generate.md))",
-    ),
-    word(
-        "model",
-        Some("FILE"),
-        "the model that the equations come from, with its parameters and joints",
-    ),
-    word(
-        "passes",
-        Some("PIPELINE"),
-        "passes to run first ([passes.md](passes.md)); `@FILE` reads them from a file",
-    ),
-    word(
-        "machine",
-        Some("MACHINE"),
-        "the machine to compile for: a name of `robovec-opt --list-machines`, or a `.toml` file",
-    ),
-    word(
-        "scene",
-        Some("FILE"),
-        "the scene that describes the use of the functions ([scenes.md](scenes.md))",
-    ),
-    word(
-        "rules",
-        Some("FILE"),
-        "additional rewriting rules ([rules.md](rules.md))",
-    ),
-    word(
-        "laws",
-        Some("FILE"),
-        "laws of springs, dampers, forces and driven joints ([sim.md](sim.md))",
-    ),
-    word(
-        "number",
-        Some("FORMAT"),
-        "the number format of the computation: `f32`, `float(8,17)`, `fixed(12,19)` … ([formats.md](formats.md)); `float` or `double` for C",
-    ),
-    word("language", Some("LANGUAGE"), "the language to write"),
-    word(
-        "input-language",
-        Some("LANGUAGE"),
-        "the language to read, if name and content of the file do not show it",
-    ),
-    word(
-        "states",
-        Some("STATES"),
-        "the number of random states; `eval` also takes a file of states",
-    ),
-    word(
-        "seed",
-        Some("SEED"),
-        "the seed of all random points and states; the same seed gives the same bytes",
-    ),
-    word(
-        "jobs",
-        Some("N"),
-        "the number of threads; by default the number of processors",
-    ),
-    word(
-        "resume",
-        None,
-        "use the results that an earlier run left in the folder",
-    ),
-    word(
-        "shard",
-        Some("K/N"),
-        "only this share of the work, for several workers on one folder ([below](#in-shares))",
-    ),
-    word("json", None, "write the results as JSON instead of text"),
-    word(
-        "csv",
-        None,
-        "write the results as a CSV table instead of text",
-    ),
-    word(
-        "quiet",
-        None,
-        "`-q`: print neither progress nor remarks; warnings and errors are always printed",
-    ),
-    word(
-        "verbose",
-        None,
-        "`-v`: progress every two seconds, where no terminal is as well (every ten without the word), and how long it took; of `robovec-opt` the time of every pass",
-    ),
+/// Words of the command line, with the names of their values.
+pub const WORDS: [(&str, Option<&str>); 20] = [
+    ("function", Some("NAME")),
+    ("formulation", Some("NAME")),
+    ("model", Some("FILE")),
+    ("passes", Some("PIPELINE")),
+    ("machine", Some("MACHINE")),
+    ("scene", Some("FILE")),
+    ("rules", Some("FILE")),
+    ("laws", Some("FILE")),
+    ("number", Some("FORMAT")),
+    ("language", Some("LANGUAGE")),
+    ("input-language", Some("LANGUAGE")),
+    ("states", Some("STATES")),
+    ("seed", Some("SEED")),
+    ("jobs", Some("N")),
+    ("resume", None),
+    ("shard", Some("K/N")),
+    ("json", None),
+    ("csv", None),
+    ("quiet", None),
+    ("verbose", None),
 ];
 
 /// Commands grouped by purpose.
-pub(super) const GROUPS: [(&str, &[&str]); 5] = [
+pub const GROUPS: [(&str, &[&str]); 5] = [
     (
         "Get the best program",
         &["optimise", "explore", "view", "bench"],
@@ -142,7 +49,7 @@ pub(super) const GROUPS: [(&str, &[&str]); 5] = [
 ];
 
 /// Examples of every command, for the root of the repository.
-const EXAMPLES: &[(&str, &[&str])] = &[
+pub const EXAMPLES: &[(&str, &[&str])] = &[
     (
         "bench",
         &[
@@ -278,16 +185,14 @@ pub(super) fn words(command: Command) -> Command {
 
 fn value_name(flag: Arg) -> Arg {
     let long = flag.get_long().unwrap_or_default();
-    match WORDS.iter().find(|word| word.long == long) {
-        Some(GrammarWord {
-            value: Some(value), ..
-        }) if flag.get_action().takes_values() => flag.value_name(value),
+    match WORDS.iter().find(|(known, _)| *known == long) {
+        Some((_, Some(value))) if flag.get_action().takes_values() => flag.value_name(value),
         Some(_) | None => flag,
     }
 }
 
 /// Description of a command, on one line.
-fn about(program: &Command, name: &str) -> String {
+pub fn about(program: &Command, name: &str) -> String {
     let about = program.find_subcommand(name).and_then(Command::get_about);
     let about = about.expect("commands of groups are described");
     about.to_string().replace('\n', " ")
@@ -302,81 +207,6 @@ fn groups(command: &Command) -> String {
         for name in names {
             let _ = writeln!(text, "  {name:<12} {}", about(command, name));
         }
-    }
-    text
-}
-
-/// The section about several workers on one folder.
-const SHARES: &str = "
-## In shares
-
-What takes hours can be shared by any number of workers that see one folder and have the same robovec, on one machine or many. A share keeps its results in `results/points` and writes no tables:
-
-```sh
-robovec explore bogie serial-23 -o results --shard 1/8
-```
-
-A worker that was stopped is started again and goes on; results that were cut off are computed anew. When all are done, one more run writes what a single run writes, byte for byte:
-
-```sh
-robovec explore bogie serial-23 -o results --resume
-```
-
-All other words are given to every share alike.
-
-| command | what is shared |
-|---|---|
-| `explore` | choices to be measured; the searches for programs, each with its share of the numbers of elements first |
-| `explore --designs` | placements on designs; the searches as for choices |
-| `explore --plan` | placements; all of a model after a pipeline are in one share |
-| `rules bench` | rules on inputs |
-| `optimise` | programs and schedules of the search, as described below |
-
-What `optimise` tries next depends on what came of all that it tried before, so that a share of its search cannot be done alone. There every worker does the whole search, but of the programs that are made at a time first those of its share, and takes from the folder what others have made by then. One that is alone does all of it, and none waits for another. Little is gained: a program that was found must be made again where the search goes on from it ([results](results-processors.md#times-of-the-compiler)). What it is for is a search that was stopped. Errors, times of C and the proof are left to the last run.
-
-`scripts/on-hyperqueue` does all of it with HyperQueue, also on a cluster ([plans.md](plans.md#on-several-machines)); with Slurm alone, an array of jobs with `--shard $SLURM_ARRAY_TASK_ID/8` does.
-";
-
-/// The page `docs/commands.md`.
-pub fn manual() -> String {
-    let [_, tool] = super::commands();
-    let mut text = String::from(
-        "# The commands\n\n`robovec-opt` compiles; `robovec` does the rest. A subject is a file of \
-         equations (Robotran's C, Matlab or Python, `.rvir`, `.fpcore`), a model (`.mbs`, `.urdf`, `.xml`) \
-         or the name of a model that is built in (`bogie`, `serial-23`), for every command that \
-         takes one.\n\n## Options with the same meaning in all commands\n\n| option | meaning |\n|---|---|\n",
-    );
-    for GrammarWord {
-        long,
-        value,
-        meaning,
-    } in WORDS
-    {
-        let value = or_nothing(value, |value| format!(" {value}"));
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "| `--{long}{value}` | {meaning} |");
-    }
-    text.push_str(
-        "| `-o`, `--output` | where results go: a file, or a folder for several |\n| `--force` | \
-         replace files that robovec did not write |\n| `--base`, `--right-angles` | how robots \
-         (`.urdf`, `.xml`) are read, where models are ([robots.md](robots.md)) |\n| `--tool-seconds` | when compilers and \
-         simulators are stopped |\n",
-    );
-    for (title, names) in GROUPS {
-        let _ = writeln!(text, "\n## {title}\n");
-        for name in names {
-            let _ = writeln!(text, "`robovec {name}`: {}\n", about(&tool, name));
-            for (_, lines) in EXAMPLES.iter().filter(|(known, _)| known == name) {
-                let _ = writeln!(text, "```sh\n{}\n```\n", lines.join("\n"));
-            }
-        }
-    }
-    text.truncate(text.trim_end().len());
-    text.push('\n');
-    text.push_str(SHARES);
-    text.push_str("\n## Former commands\n\n| before | now | results |\n|---|---|---|\n");
-    for FormerCommand { line, now, results } in FORMER {
-        let _ = writeln!(text, "| `robovec {line}` | `robovec {now}` | {results} |");
     }
     text
 }
@@ -414,12 +244,12 @@ mod tests {
             for flag in command.get_arguments() {
                 let long = flag.get_long().unwrap_or_default();
                 let place = format!("{} --{long}", command.get_name());
-                if let Some(word) = WORDS.iter().find(|word| word.long == long) {
+                if let Some((_, value)) = WORDS.iter().find(|(known, _)| *known == long) {
                     let takes = flag.get_action().takes_values();
-                    assert_eq!(takes, word.value.is_some(), "{place}");
+                    assert_eq!(takes, value.is_some(), "{place}");
                     let names = flag.get_value_names().unwrap_or_default();
                     let names: Vec<&str> = names.iter().map(|name| name.as_str()).collect();
-                    if let Some(value) = word.value {
+                    if let Some(value) = *value {
                         assert_eq!(names, [value], "{place}");
                     }
                 }

@@ -15,12 +15,11 @@ mod eval;
 mod explain;
 mod explore;
 pub(crate) mod fit;
-pub(crate) mod flags;
-mod former;
+pub mod flags;
+pub mod former;
 mod generation;
 pub mod grammar;
 pub(crate) mod input;
-pub mod limits;
 mod listing;
 mod manual;
 mod memory;
@@ -52,7 +51,7 @@ use robovec_bench::Compiler;
 use robovec_ir::diagnostic::{Report, termcolor::ColorChoice};
 
 /// The command lines of both programs, with the limits of their numbers.
-pub(crate) fn commands() -> [clap::Command; 2] {
+pub fn commands() -> [clap::Command; 2] {
     [arguments::command(), tool::command()]
 }
 

@@ -11,7 +11,7 @@ mod run;
 mod templates;
 mod values;
 
-use robovec::limits::{LimitRow, sections};
+use crate::docs::limits::{LimitRow, sections};
 use run::Invocation;
 use std::path::Path;
 

@@ -5,7 +5,7 @@
 //! automatically; one without fails the test with a message.
 
 use super::run::Invocation;
-use robovec_num::limits::LimitRow;
+use crate::docs::limits::LimitRow;
 use std::fs;
 use std::path::{Path, PathBuf};
 

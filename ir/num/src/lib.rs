@@ -31,5 +31,5 @@ pub mod soft_float;
 pub mod trigonometry;
 
 pub use format::{FixedFormat, Format, NumberFormat};
-pub use limits::{Amount, LimitRow, NumberLimit};
+pub use limits::{Amount, NumberLimit};
 pub use operation::Operation;

@@ -212,30 +212,6 @@ impl fmt::Display for NumberLimit {
     }
 }
 
-/// A line of the table of limits.
-#[derive(Clone, PartialEq, Debug)]
-pub struct LimitRow {
-    /// The place of the number: a pass, a program, a kind of file.
-    pub place: String,
-    /// Its name in that source.
-    pub name: String,
-    /// Allowed numbers.
-    pub limit: NumberLimit,
-    /// The default; empty when the number must be given.
-    pub usual: String,
-}
-
-/// The limits of the fields of a kind of file, for the table.
-pub fn rows(place: &str, fields: &[(&str, NumberLimit, &str)]) -> Vec<LimitRow> {
-    let row = |&(name, limit, usual): &(&str, NumberLimit, &str)| LimitRow {
-        place: place.to_owned(),
-        name: name.to_owned(),
-        limit,
-        usual: usual.to_owned(),
-    };
-    fields.iter().map(row).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

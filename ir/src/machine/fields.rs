@@ -1,7 +1,6 @@
 //! The limits of the numbers of a machine file.
 
 use robovec_num::limited_fields;
-use robovec_num::limits::{self, LimitRow};
 
 limited_fields! {
     /// Clock of the processing elements, in MHz.
@@ -49,10 +48,4 @@ limited_fields! {
     /// Multiplier blocks.
     multipliers ("resources.multipliers", "0") = NumberLimit::whole(
         0, 1_000_000_000, "no device has more");
-}
-
-/// The limits of machine files, with those of its number format.
-pub fn rows() -> Vec<LimitRow> {
-    let all = [FIELDS, robovec_num::format::fields::FIELDS].concat();
-    limits::rows("machine file", &all)
 }

@@ -11,7 +11,6 @@ pub mod differentiation;
 pub mod fingerprint;
 pub mod instances;
 pub mod manager;
-pub mod manual;
 pub mod options;
 pub mod pass;
 pub mod pipeline;

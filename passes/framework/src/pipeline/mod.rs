@@ -17,7 +17,7 @@ mod token;
 pub use read::PipelineError;
 
 use crate::pass::{PassInfo, Registry};
-use robovec_num::limits::{LimitRow, NumberLimit};
+use robovec_num::limits::NumberLimit;
 use std::fmt;
 use std::ops::Range;
 
@@ -89,28 +89,6 @@ impl Pipeline {
             .iter()
             .any(|step| matches!(step, PipelineStep::Close))
     }
-}
-
-/// The limits of all options of all passes, and of groups.
-pub fn limits(registry: &Registry) -> Vec<LimitRow> {
-    let mut rows = Vec::new();
-    for pass in registry.passes {
-        for option in pass.options {
-            rows.extend(option.limit.map(|limit| LimitRow {
-                place: pass.name.to_owned(),
-                name: option.name.to_owned(),
-                limit,
-                usual: (option.default)(),
-            }));
-        }
-    }
-    rows.push(LimitRow {
-        place: "fixpoint".to_owned(),
-        name: "max".to_owned(),
-        limit: ROUNDS,
-        usual: DEFAULT_ROUNDS.to_string(),
-    });
-    rows
 }
 
 impl PartialEq for Pipeline {

@@ -1,14 +1,13 @@
-//! The manual of all passes, made from a registry.
+//! The page `docs/passes.md`, made from a registry.
 
-use crate::pass::{Gives, PassInfo, Property, Registry};
+use robovec_framework::pass::{Gives, PassInfo, Property, Registry};
 use std::fmt::Write;
 
-/// The manual as Markdown; `docs/passes.md` is this text, and a test keeps it
-/// so.
-pub fn manual(registry: &Registry) -> String {
+/// The page as Markdown.
+pub(super) fn page(registry: &Registry) -> String {
     let mut text = "# Passes\n\nPasses of `robovec-opt`, made from their registry.\n".to_owned();
     for info in registry.passes {
-        page(info, &mut text);
+        section(info, &mut text);
     }
     text.push_str("\n# Presets\n\n| preset | passes | gives |\n|---|---|---|\n");
     for preset in registry.presets {
@@ -22,7 +21,7 @@ pub fn manual(registry: &Registry) -> String {
     text
 }
 
-fn page(info: &PassInfo, text: &mut String) {
+fn section(info: &PassInfo, text: &mut String) {
     let _ = writeln!(text, "\n## {}\n", info.name);
     for line in info.documentation.lines() {
         let _ = writeln!(text, "{}", line.trim());
