@@ -89,11 +89,13 @@ fn measure_function(view: View<'_>, states: u32, most: usize, found: &mut Errors
                 view.function.name
             );
         }
-        let slots = (0..tape.outputs()).map(|output| tape.output_slot(output));
+        let slots: Vec<usize> = (0..tape.outputs()).map(|i| tape.output_slot(i)).collect();
         largest = slots
-            .map(|slot| run.errors()[slot].abs())
+            .iter()
+            .map(|&slot| run.errors()[slot].abs())
             .fold(largest, f64::max);
-        let sampled = stochastic(&tape, Format::BINARY32, &inputs, 5).expect("f32 is narrow");
+        let sampled =
+            stochastic(&tape, Format::BINARY32, &inputs, 5, &slots).expect("f32 is narrow");
         for (output, sampled) in sampled.iter().enumerate() {
             let error = run.errors()[tape.output_slot(output)].abs();
             found.beyond += usize::from(error > 3.0 * sampled.sigma);

@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn equations_operations_and_vectors_are_counted_as_the_thesis_does() {
-        let mut symbols = Symbols::new();
+        let mut symbols = Symbols::default();
         let mut function = Function::new("f", Level::Equations);
         function.add_input(symbols.intern("q"), Shape::Vector(1));
         function.add_output(symbols.intern("c"), Shape::Vector(1));

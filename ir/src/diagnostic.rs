@@ -189,18 +189,6 @@ impl Report {
         start..end.max(start)
     }
 
-    /// Line and column, both from 1, of a byte in one of the texts.
-    pub fn location(&self, file: FileId, byte: usize) -> (u32, u32) {
-        let Some(source) = self.files.get(file) else {
-            return (1, 1);
-        };
-        let byte = boundary_before(&source.text, byte);
-        let line = source.line_index(byte);
-        let start = source.line_range(line).start;
-        let column = source.text[start..byte].chars().count();
-        (line as u32 + 1, column as u32 + 1)
-    }
-
     /// All messages as text without colour.
     pub fn render_plain(&self) -> String {
         let mut text = String::new();
@@ -383,7 +371,6 @@ mod tests {
         };
         let range = report.range_of(0, place);
         assert_eq!(&report.files()[0].text()[range.clone()], "é c");
-        assert_eq!(report.location(0, range.start), (2, 4));
     }
 
     #[test]

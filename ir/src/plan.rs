@@ -135,11 +135,6 @@ impl EvaluationPlan {
         self.steps.is_empty()
     }
 
-    /// The number of numbers kept at a time, inputs and literals included.
-    pub fn places(&self) -> usize {
-        self.places
-    }
-
     /// The values of the wanted outputs. The memory is reused when it is
     /// handed in again, and need not be that of the same plan.
     ///
@@ -296,7 +291,7 @@ mod tests {
         assert_eq!(owned, expected);
         // Neither the quotient nor its square is needed.
         assert_eq!(plan.len(), function.nodes().len() - 2);
-        assert!(plan.places() < 3 + 2 + 6);
+        assert!(plan.places < 3 + 2 + 6);
     }
 
     #[test]

@@ -58,11 +58,6 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// No files, no places.
-    pub fn new() -> Sources {
-        Sources::default()
-    }
-
     /// Adds a file and returns its index; a name already known keeps its own.
     pub fn add_file(&mut self, name: &str) -> u32 {
         match self.files.iter().position(|file| file == name) {
@@ -240,7 +235,7 @@ mod tests {
 
     #[test]
     fn unions_are_interned_sorted_and_without_duplicates() {
-        let mut sources = Sources::new();
+        let mut sources = Sources::default();
         let a = sources.single(place(1));
         let b = sources.single(place(2));
         assert_eq!(sources.single(place(1)), a);
@@ -255,7 +250,7 @@ mod tests {
 
     #[test]
     fn places_keep_their_number_when_order_breaks() {
-        let mut sources = Sources::new();
+        let mut sources = Sources::default();
         let order = [2, 4, 6, 4, 3, 8, 6, 3, 1];
         let sets: Vec<SourceSet> = order.map(|line| sources.single(place(line))).into();
         for (line, set) in order.into_iter().zip(&sets) {

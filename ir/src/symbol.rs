@@ -102,11 +102,6 @@ impl StoredText {
 }
 
 impl Symbols {
-    /// An empty interner.
-    pub fn new() -> Symbols {
-        Symbols::default()
-    }
-
     /// The symbol of a string, made at its first appearance.
     pub fn intern(&mut self, string: &str) -> Symbol {
         let short = StoredText::short(string);
@@ -373,7 +368,7 @@ mod tests {
 
     #[test]
     fn bases_are_words_that_are_not_derived() {
-        let mut symbols = Symbols::new();
+        let mut symbols = Symbols::default();
         for (text, is_base) in [
             ("OM16", true),
             ("_x.y_2", true),
@@ -393,7 +388,7 @@ mod tests {
 
     #[test]
     fn interning_is_idempotent_and_names_are_fresh() {
-        let mut symbols = Symbols::new();
+        let mut symbols = Symbols::default();
         for (text, split) in [
             ("OM16", ("OM16", 0)),
             ("OM16.12", ("OM16", 12)),

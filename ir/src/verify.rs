@@ -91,7 +91,6 @@ use crate::function::Level;
 use crate::machine::Machine;
 use crate::module::{Module, View};
 use crate::print;
-use crate::source::SourcePlace;
 use placement::PlacementCheck;
 
 /// The number of violations that are described; the rest is counted.
@@ -129,60 +128,7 @@ pub struct Violation {
     pub message: String,
 }
 
-impl Violation {
-    /// A place of the user's file that the violation is about, when known: that
-    /// of the value, output or call. For an array or a constant, the place of
-    /// the first node that reads it.
-    pub fn place(&self, view: View<'_>) -> Option<SourcePlace> {
-        let function = view.function;
-        let sources = &view.tables.sources;
-        let reader = |reads: &dyn Fn(Operand) -> bool| {
-            let nodes = function.nodes().iter();
-            let found = nodes.filter(|node| node.operands.iter().any(|&operand| reads(operand)));
-            found.map(|node| node.sources).next()
-        };
-        let set = match self.subject {
-            ViolationSubject::Function | ViolationSubject::Schedule => None,
-            ViolationSubject::Value(value) => {
-                function.nodes().get(value.index()).map(|node| node.sources)
-            }
-            ViolationSubject::Boundary(index) => {
-                function.boundaries.get(index).map(|call| call.sources)
-            }
-            ViolationSubject::Assignment(index) => function
-                .assignments
-                .get(index)
-                .map(|assignment| assignment.sources),
-            ViolationSubject::Constant(constant) => {
-                reader(&|operand| operand.constant() == Some(constant))
-            }
-            ViolationSubject::Input(index) => {
-                let array = function.inputs()[index];
-                let end = array.offset + array.shape.len() as u32;
-                reader(&|operand| {
-                    let input = operand.input();
-                    input.is_some_and(|input| (array.offset..end).contains(&input.0))
-                })
-            }
-            ViolationSubject::Output(index) => {
-                let array = function.outputs()[index];
-                let end = array.offset + array.shape.len() as u32;
-                let mut assignments = function.assignments.iter();
-                assignments
-                    .find(|assignment| (array.offset..end).contains(&assignment.output.0))
-                    .map(|assignment| assignment.sources)
-            }
-            ViolationSubject::Preload(index) => function
-                .placement
-                .as_ref()
-                .and_then(|placement| placement.preloads.get(index))
-                .and_then(|preload| preload.operand.value())
-                .and_then(|value| function.nodes().get(value.index()))
-                .map(|node| node.sources),
-        };
-        set.and_then(|set| sources.first(set))
-    }
-}
+impl Violation {}
 
 /// True when every function of a module is well-formed.
 pub fn is_valid(module: &Module) -> bool {

@@ -218,15 +218,6 @@ fn long_lists_are_cut_and_counted() {
     );
 }
 
-#[test]
-fn violations_lead_to_the_users_file() {
-    let mut module = parsed(EQUATIONS);
-    module.functions[0].assignments[0].operand = Value(9).into();
-    let violations = verify(view(&module));
-    let place = violations[0].place(view(&module));
-    assert_eq!(place.map(|place| place.line), Some(7));
-}
-
 const PLACED: &str = include_str!("../../../tests/text/placed.rvir");
 const SIDE_SPLIT: &str = include_str!("../../../tests/text/placed-side-split.rvir");
 

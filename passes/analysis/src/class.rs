@@ -21,14 +21,6 @@ pub enum NumericClass {
 }
 
 impl NumericClass {
-    /// All classes, from the strongest promise to the weakest.
-    pub const ALL: [NumericClass; 4] = [
-        NumericClass::Exact,
-        NumericClass::Real,
-        NumericClass::RealTrig,
-        NumericClass::Approximating,
-    ];
-
     /// The name in help texts and reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -115,7 +115,7 @@ mod tests {
 
     /// `-(sin(x)*y + x)`, and `x*y` beside it.
     fn sample() -> Function {
-        let mut symbols = Symbols::new();
+        let mut symbols = Symbols::default();
         let mut function = Function::new("sample", Level::Equations);
         function.add_input(symbols.intern("x"), Shape::Vector(2));
         let (x, y) = (Operand::from(Input(0)), Operand::from(Input(1)));

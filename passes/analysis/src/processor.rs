@@ -158,7 +158,7 @@ mod tests {
 
     fn sums(count: u32, read_again: bool) -> Function {
         let mut function = Function::new("sums", Level::Atomic);
-        function.add_input(Symbols::new().intern("x"), Shape::Vector(count + 1));
+        function.add_input(Symbols::default().intern("x"), Shape::Vector(count + 1));
         let mut push = |a: Operand, b: Operand| {
             function.push(Node {
                 name: Name::NONE,

@@ -54,7 +54,7 @@ mod tests {
     #[test]
     fn a_slice_holds_what_is_needed_and_nothing_else() {
         let mut function = Function::new("sample", Level::Atomic);
-        function.add_input(Symbols::new().intern("x"), Shape::Scalar);
+        function.add_input(Symbols::default().intern("x"), Shape::Scalar);
         let x = Operand::from(Input(0));
         let mut push = |a: Operand, b: Operand| {
             function.push(Node {

@@ -26,12 +26,6 @@ impl Compiler {
             version: text.lines().next().unwrap_or(command).to_owned(),
         })
     }
-
-    /// The first of some that is installed.
-    pub fn first(commands: &[&str]) -> Option<Compiler> {
-        let mut commands = commands.iter();
-        commands.find_map(|command| Compiler::find(command).ok())
-    }
 }
 
 /// A command that makes a part of a program.

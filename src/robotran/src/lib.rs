@@ -94,13 +94,6 @@ impl Language {
         }
     }
 
-    /// The language of a name in lower case.
-    pub fn from_name(name: &str) -> Option<Language> {
-        Language::ALL
-            .into_iter()
-            .find(|language| language.name() == name)
-    }
-
     /// The language of a file name's extension, without the dot.
     pub fn from_extension(extension: &str) -> Option<Language> {
         match extension {

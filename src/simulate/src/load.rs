@@ -172,7 +172,6 @@ impl<'a> Loader<'a> {
         });
         let unit = unit.transpose()?;
         Ok(LoadedProgram {
-            function: manifest.function.clone(),
             cycles: manifest.cycles,
             arithmetic: FormatArithmetic::new(manifest.number),
             elements,

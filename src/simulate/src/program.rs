@@ -9,7 +9,6 @@ use robovec_num::trigonometry::host::TrigonometricUnit;
 /// A program in the simulator's memories, ready to be run any number of times.
 #[derive(Clone, Debug)]
 pub struct LoadedProgram {
-    pub(super) function: String,
     pub(super) cycles: u32,
     /// Arithmetic of elements and host.
     pub(super) arithmetic: FormatArithmetic,
@@ -89,19 +88,9 @@ pub(super) enum OutputPlace {
 }
 
 impl LoadedProgram {
-    /// The function's name.
-    pub fn function(&self) -> &str {
-        &self.function
-    }
-
     /// The length of a run.
     pub fn cycles(&self) -> u32 {
         self.cycles
-    }
-
-    /// Number of inputs of a run.
-    pub fn input_len(&self) -> usize {
-        self.inputs.len()
     }
 
     /// The names of the outputs and their places among the function's

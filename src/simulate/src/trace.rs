@@ -142,15 +142,4 @@ impl LoadedProgram {
             outputs,
         })
     }
-
-    /// The names of the elements, in the order of the crossbar.
-    pub fn elements(&self) -> impl Iterator<Item = &str> {
-        self.elements.iter().map(|element| element.name.as_str())
-    }
-
-    /// The names of the operand memories: `add0`, or `add0.left` and
-    /// `add0.right`, element after element.
-    pub fn memories(&self) -> impl Iterator<Item = &str> {
-        self.memories.iter().map(|memory| memory.name.as_str())
-    }
 }

@@ -76,11 +76,6 @@ impl CircleField {
         CircleField { plain, generator }
     }
 
-    /// The plain field below it.
-    pub fn plain(&self) -> PrimeField {
-        self.plain
-    }
-
     /// The sum of two angles given by cosine and sine.
     fn add_points(&self, (c, s): (u64, u64), (d, t): (u64, u64)) -> (u64, u64) {
         let field = &self.plain.prime.field;

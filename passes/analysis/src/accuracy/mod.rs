@@ -170,12 +170,7 @@ pub struct Accuracy {
     pub matrices: Vec<MatrixCondition>,
 }
 
-impl Accuracy {
-    /// The errors in a format; `None` when it was not measured.
-    pub fn of(&self, format: Format) -> Option<&FormatAccuracy> {
-        self.formats.iter().find(|entry| entry.format == format)
-    }
-}
+impl Accuracy {}
 
 /// The errors of a whole function in a few numbers.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -255,12 +250,7 @@ impl FormatAccuracy {
 }
 
 /// Measures the errors of a function in the given formats over the first
-/// `count` states: all measures, against double-double.
-pub fn accuracy(view: View<'_>, states: &States, count: u32, formats: &[Format]) -> Accuracy {
-    measure(view, states, count, formats, Measurement::default())
-}
-
-/// As [`accuracy`], with a choice of measurements.
+/// `count` states.
 pub fn measure(
     view: View<'_>,
     states: &States,

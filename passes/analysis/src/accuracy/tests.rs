@@ -35,7 +35,8 @@ fn assign(function: &mut Function, operand: Operand) {
 
 fn measured(view: View<'_>, count: u32) -> Accuracy {
     let formats = [Format::BINARY32, Format::BINARY64];
-    accuracy(view, &States::new(3), count, &formats)
+    let measurement = Measurement::default();
+    measure(view, &States::new(3), count, &formats, measurement)
 }
 
 #[test]

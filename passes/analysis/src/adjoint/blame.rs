@@ -1,7 +1,7 @@
 //! Operations, equations and inputs that cause the error.
 
 use super::{AdjointRun, LANES, Tape, Workspace};
-use robovec_ir::{Function, Input, SourcePlace, Symbol, Value, View};
+use robovec_ir::{Function, Input, SourcePlace, Symbol, View};
 
 /// Contributions to the error of outputs, summed over outputs and states.
 ///
@@ -92,13 +92,6 @@ impl Blame {
         } else {
             0.0
         }
-    }
-
-    /// The operations with the largest shares, the largest first, the earlier
-    /// of equals first.
-    pub fn operations(&self, tape: &Tape, most: usize) -> Vec<(Value, f64)> {
-        let values = (0..tape.nodes()).map(|node| (Value(node as u32), self.share(node)));
-        largest(values.collect(), most)
     }
 
     /// The inputs with the largest shares: data that the format cannot

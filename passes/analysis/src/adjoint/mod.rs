@@ -7,7 +7,7 @@
 //! 2008, chapter 3). Three things follow from it:
 //!
 //! - a *bound* of an output's error, the sum of adjoint times half a unit in
-//!   the last place over all operations ([`AdjointRun::bounds`]);
+//!   the last place over all operations ([`AdjointRun::outputs`]);
 //! - the *signed prediction* of the error, the sum of adjoint times the
 //!   rounding that an operation really made ([`AdjointRun::outputs`]);
 //! - the *blame*: which operation, which source equation and which input the
@@ -168,23 +168,6 @@ impl<'a> Adjoint<'a> {
         }
     }
 
-    /// The tape it was made from.
-    pub fn tape(&self) -> &'a Tape {
-        self.tape
-    }
-
-    /// The derivatives of a node's result with respect to its operands.
-    pub fn partials(&self, node: usize) -> [f64; 3] {
-        let [a, b] = self.partials[node];
-        let operation = self.tape.operation(node);
-        let c = if operation.is_fused() {
-            third(operation)
-        } else {
-            0.0
-        };
-        [a, b, c]
-    }
-
     /// Sweeps back from at most [`LANES`] assignments (by their places in
     /// [`robovec_ir::Function::assignments`]) and calls `visit` once for each
     /// slot on which one of them depends with the derivatives of all of them,
@@ -253,48 +236,6 @@ impl<'a> Adjoint<'a> {
             visit(slot, gradient);
             *gradient = AdjointLanes::ZERO;
         }
-    }
-
-    /// Sweeps back from any number of assignments, [`LANES`] at a time, and
-    /// calls `visit` with each group and the derivatives of its members with
-    /// respect to every slot.
-    ///
-    /// # Panics
-    ///
-    /// Panics when an output does not exist.
-    pub fn sweep(&self, outputs: &[usize], mut visit: impl FnMut(&[usize], &[AdjointLanes])) {
-        let mut workspace = Workspace::default();
-        let mut gradients = Vec::new();
-        for group in outputs.chunks(LANES) {
-            gradients.clear();
-            gradients.resize(self.tape.slots(), AdjointLanes::ZERO);
-            self.sweep_lanes(&mut workspace, group, |slot, gradient| {
-                gradients[slot] = *gradient;
-            });
-            visit(group, &gradients);
-        }
-    }
-
-    /// The derivatives of assignments with respect to all input elements: one
-    /// row per output requested, one column per input.
-    ///
-    /// # Panics
-    ///
-    /// Panics when an output does not exist.
-    pub fn jacobian(&self, outputs: &[usize]) -> Vec<Vec<f64>> {
-        let tape = self.tape;
-        let mut rows = vec![vec![0.0; tape.inputs()]; outputs.len()];
-        let mut workspace = Workspace::default();
-        for (group, rows) in outputs.chunks(LANES).zip(rows.chunks_mut(LANES)) {
-            self.sweep_lanes(&mut workspace, group, |slot, gradient| {
-                if let TapeSlot::Input(input) = tape.slot(slot) {
-                    for (row, &lane) in rows.iter_mut().zip(&gradient.0) {
-                        row[input.index()] = lane;
-                    }
-                }
-            });
-        }
-        rows
     }
 }
 

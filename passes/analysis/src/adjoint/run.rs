@@ -214,14 +214,4 @@ impl<'a> AdjointRun<'a> {
         }
         output
     }
-
-    /// The bounds alone, as [`AdjointRun::outputs`] gives them.
-    ///
-    /// # Panics
-    ///
-    /// Panics when an output does not exist.
-    pub fn bounds(&self, outputs: &[usize]) -> Vec<f64> {
-        let outputs = self.outputs(outputs);
-        outputs.iter().map(|output| output.bound).collect()
-    }
 }

@@ -42,7 +42,15 @@ fn adjoints_are_derivatives() {
     let module = module(EVERYTHING);
     let tape = Tape::new(&module.functions[0]);
     let outputs: Vec<usize> = (0..tape.outputs()).collect();
-    let jacobian = Adjoint::new(&tape, &STATE).jacobian(&outputs);
+    let mut jacobian = vec![[0.0; 4]; outputs.len()];
+    let workspace = &mut Workspace::default();
+    Adjoint::new(&tape, &STATE).sweep_lanes(workspace, &outputs, |slot, lanes| {
+        if let TapeSlot::Input(input) = tape.slot(slot) {
+            for (row, lane) in jacobian.iter_mut().zip(lanes.0) {
+                row[input.0 as usize] = lane;
+            }
+        }
+    });
     let value =
         |inputs: &[f64], output: usize| tape.evaluate(&Binary64, inputs)[tape.output_slot(output)];
     for (output, row) in jacobian.iter().enumerate() {
@@ -76,13 +84,9 @@ fn adjoints_of_inner_values_are_products_along_paths() {
     );
     let tape = Tape::new(&module.functions[0]);
     let adjoint = Adjoint::new(&tape, &[3.0, 5.0]);
-    let mut seen = Vec::new();
-    adjoint.sweep(&[0, 1], |group, gradients| {
-        assert_eq!(group, [0, 1]);
-        seen = gradients
-            .iter()
-            .map(|lanes| [lanes.0[0], lanes.0[1]])
-            .collect();
+    let mut seen = [[0.0; 2]; 5];
+    adjoint.sweep_lanes(&mut Workspace::default(), &[0, 1], |slot, lanes| {
+        seen[slot] = [lanes.0[0], lanes.0[1]];
     });
     let expected = [
         [6.0, 2.0],
@@ -91,8 +95,7 @@ fn adjoints_of_inner_values_are_products_along_paths() {
         [60.0, 10.0],
         [18.0, 6.0],
     ];
-    assert_eq!(seen[..5], expected);
-    assert_eq!(adjoint.partials(0), [5.0, 3.0, 0.0]);
+    assert_eq!(seen, expected);
 }
 
 #[test]
@@ -144,7 +147,7 @@ fn division_by_zero_has_no_bound_and_leaves_the_others_alone() {
     );
     let tape = Tape::new(&module.functions[0]);
     let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &[3.0, 5.0]);
-    let bounds = run.bounds(&[0, 1]);
+    let bounds: Vec<f64> = run.outputs(&[0, 1]).iter().map(|o| o.bound).collect();
     assert_eq!(bounds[0], f64::INFINITY);
     assert!(bounds[1] > 0.0 && bounds[1] < 1e-5);
 }
@@ -185,7 +188,7 @@ fn a_derivative_that_is_no_number_gives_no_bound() {
     );
     let tape = Tape::new(&module.functions[0]);
     let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &[0.0, 0.0]);
-    assert_eq!(run.bounds(&[0]), [f64::INFINITY]);
+    assert_eq!(run.outputs(&[0])[0].bound, f64::INFINITY);
 }
 
 #[test]
@@ -294,7 +297,6 @@ fn blame_goes_to_the_operation_that_cancels() {
     assert!(equations[0].share > 0.99, "{equations:?}");
     let total: f64 = equations.iter().map(|equation| equation.share).sum();
     assert!((total - 1.0).abs() < 1e-12);
-    assert_eq!(blame.operations(&tape, 1)[0].0, Value(0));
     assert!(blame.inputs(&tape, 12).is_empty() && blame.literals(&tape) == 0.0);
 }
 
@@ -359,9 +361,11 @@ fn worst_luck(tape: &Tape, inputs: &[f64], output: usize) -> f64 {
     let run = AdjointRun::new(tape, &Binary32, format, inputs);
     let mut slots = run.exact().to_vec();
     let mut gradients = vec![0.0; tape.slots()];
-    run.adjoint().sweep(&[output], |_, lanes| {
-        gradients = lanes.iter().map(|lanes| lanes.0[0]).collect();
-    });
+    let workspace = &mut Workspace::default();
+    run.adjoint()
+        .sweep_lanes(workspace, &[output], |slot, lanes| {
+            gradients[slot] = lanes.0[0];
+        });
     for node in 0..tape.nodes() {
         let operands = tape.operands(node).map(|slot| slots[slot]);
         let result = Binary64.apply(tape.operation(node), operands);
@@ -372,7 +376,7 @@ fn worst_luck(tape: &Tape, inputs: &[f64], output: usize) -> f64 {
         slots[node] = result + loss.copysign(gradients[node]);
     }
     let slot = tape.output_slot(output);
-    (slots[slot] - run.exact()[slot]).abs() / run.bounds(&[output])[0]
+    (slots[slot] - run.exact()[slot]).abs() / run.outputs(&[output])[0].bound
 }
 
 #[test]

@@ -76,7 +76,7 @@ pub fn supports(format: Format) -> Result<(), Unsupported> {
 }
 
 /// Samples the roundings of a function at one state and gives the statistics of
-/// every assignment, in order.
+/// slots of the tape.
 ///
 /// # Errors
 ///
@@ -86,25 +86,6 @@ pub fn supports(format: Format) -> Result<(), Unsupported> {
 ///
 /// Panics when there is not one number per input element.
 pub fn stochastic(
-    tape: &Tape,
-    format: Format,
-    inputs: &[f64],
-    seed: u64,
-) -> Result<Vec<Sampled>, Unsupported> {
-    let slots: Vec<usize> = (0..tape.outputs()).map(|i| tape.output_slot(i)).collect();
-    stochastic_slots(tape, format, inputs, seed, &slots)
-}
-
-/// As [`stochastic`], for any slots of the tape.
-///
-/// # Errors
-///
-/// As [`stochastic`].
-///
-/// # Panics
-///
-/// Panics when there is not one number per input element.
-pub fn stochastic_slots(
     tape: &Tape,
     format: Format,
     inputs: &[f64],

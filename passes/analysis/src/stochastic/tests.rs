@@ -89,11 +89,13 @@ fn three_sigma_hold_almost_always_and_sigma_is_no_waste() {
         function: &module.functions[0],
     };
     let tape = Tape::new(view.function);
+    let slots: Vec<usize> = (0..tape.outputs()).map(|i| tape.output_slot(i)).collect();
     let (mut beyond, mut total, mut squares) = (0u32, 0u32, 0.0);
     for state in 0..2000 {
         let inputs = States::new(9).draw(view, state);
         let run = AdjointRun::new(&tape, &Binary32, Format::BINARY32, &inputs);
-        let sampled = stochastic(&tape, Format::BINARY32, &inputs, 7).expect("f32 is narrow");
+        let sampled =
+            stochastic(&tape, Format::BINARY32, &inputs, 7, &slots).expect("f32 is narrow");
         for (output, sampled) in sampled.iter().enumerate() {
             let ratio = run.errors()[tape.output_slot(output)] / sampled.sigma;
             beyond += u32::from(ratio.abs() > 3.0);
@@ -114,7 +116,10 @@ fn samples_depend_on_the_seed_alone() {
     let module =
         module("function f equations {\n  in q[1..2]\n  out c[1..1]\n  c[1] = q[1]*q[2]\n}");
     let tape = Tape::new(&module.functions[0]);
-    let at = |seed| stochastic(&tape, Format::BINARY32, &[0.1, 0.3], seed).expect("f32 is narrow");
+    let slots = [tape.output_slot(0)];
+    let at = |seed| {
+        stochastic(&tape, Format::BINARY32, &[0.1, 0.3], seed, &slots).expect("f32 is narrow")
+    };
     assert_eq!(at(1), at(1));
     assert_ne!(at(1), at(2));
 }

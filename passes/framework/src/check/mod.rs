@@ -528,11 +528,6 @@ impl CheckVerdict {
     pub fn is_complete(&self) -> bool {
         self.is_decided() && !matches!(self.domain, DomainVerdict::Open(_))
     }
-
-    /// The failure that broke the claim, for users.
-    pub fn failure(&self) -> Option<String> {
-        self.failure.as_ref().map(ToString::to_string)
-    }
 }
 
 impl fmt::Display for CheckVerdict {

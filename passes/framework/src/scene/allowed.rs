@@ -125,11 +125,6 @@ impl ArraySizes {
         // of its own, and its errors are measured by what it is.
         self.sizes.get(array).copied().unwrap_or(0.0)
     }
-
-    /// All arrays with their sizes, in order of their names.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, f64)> + '_ {
-        self.sizes.iter().map(|(name, size)| (name.as_str(), *size))
-    }
 }
 
 /// The output array of every assignment, as its place among the outputs.

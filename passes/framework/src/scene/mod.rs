@@ -232,12 +232,6 @@ impl Scene {
     pub fn states(&self, seed: u64) -> States {
         States::new(seed).within(Arc::new(self.known_inputs()))
     }
-
-    /// The way a joint is held, by its number from 1.
-    pub fn hold(&self, number: u32) -> Option<Hold> {
-        let held = self.joints.iter().find(|joint| joint.number == number);
-        held.map(|joint| joint.hold)
-    }
 }
 
 #[cfg(test)]

@@ -86,11 +86,6 @@ impl Finding {
     pub fn is_sound(&self) -> bool {
         matches!(self.verdict, RuleVerdict::Proved(_))
     }
-
-    /// True when the rule is in the class that its author declares.
-    pub fn keeps(&self, declared: NumericClass) -> bool {
-        self.is_sound() && self.class <= declared
-    }
 }
 
 /// Proves or refutes a rule over the reals, without trials of its bits.

@@ -7,7 +7,7 @@ use robovec_analysis::interval::{
     Alarm, ConeWindow, GivenData, Leaves, WindowLeaves, integer_bits, largest_seen, subdivide,
 };
 use robovec_analysis::reference::{ExactOutput, ReferenceEffort, ReferenceEvaluator};
-use robovec_analysis::stochastic::{Unsupported, stochastic_slots};
+use robovec_analysis::stochastic::{Unsupported, stochastic};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Operation, View};
@@ -188,7 +188,7 @@ impl ErrorTable {
         let slots: Vec<usize> = slots.collect();
         if asked(ErrorMethod::Stochastic) {
             let seed = settings.states.seed();
-            let sampled = stochastic_slots(&tape, settings.format, &inputs, seed, &slots)?;
+            let sampled = stochastic(&tape, settings.format, &inputs, seed, &slots)?;
             assert_eq!(sampled.len(), rows.len(), "every row has its samples");
             for (row, sampled) in rows.iter_mut().zip(sampled) {
                 row.sigma = Some(sampled.sigma);

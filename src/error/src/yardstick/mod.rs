@@ -160,11 +160,6 @@ impl Yardstick {
         self.states.extend(states);
     }
 
-    /// The numbers of all input elements of the exact function in a state.
-    pub fn state(&self, number: usize) -> &[f64] {
-        &self.states[number]
-    }
-
     /// The number of states.
     pub fn len(&self) -> usize {
         self.states.len()

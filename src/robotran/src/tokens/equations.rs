@@ -345,7 +345,7 @@ mod tests {
 
     /// Result of the grammar alone for a text: the tree and the errors.
     fn by_grammar<'s, L: Surface<'s>>(text: &'s str, language: Language) -> String {
-        let (mut symbols, mut builder) = (Symbols::new(), SyntaxBuilder::default());
+        let (mut symbols, mut builder) = (Symbols::default(), SyntaxBuilder::default());
         let mut tokens = TokenStream::<L>::new(text, language, &mut symbols);
         let parser = grammar::FileParser::new();
         let mut errors = Vec::new();
@@ -364,7 +364,7 @@ mod tests {
 
     /// The same by way of plain equations.
     fn by_both<'s, L: Surface<'s>>(text: &'s str, language: Language) -> String {
-        let (mut symbols, mut builder) = (Symbols::new(), SyntaxBuilder::default());
+        let (mut symbols, mut builder) = (Symbols::default(), SyntaxBuilder::default());
         let errors = parse_tokens::<L>(text, language, &mut symbols, &mut builder);
         told(&builder, &symbols, &errors)
     }

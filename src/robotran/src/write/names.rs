@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn identifiers_are_valid_and_each_for_one_name() {
-        let mut symbols = Symbols::new();
+        let mut symbols = Symbols::default();
         let texts = ["x.1", "x_1", "x", "lambda", "q", "a b", "1st", "é", "x.2"];
         let given: Vec<Name> = texts
             .iter()
@@ -297,7 +297,7 @@ mod tests {
 
     #[test]
     fn many_names_that_look_alike_take_linear_time() {
-        let mut symbols = Symbols::new();
+        let mut symbols = Symbols::default();
         let mut names = FileIdentifiers::new();
         for number in 0..100_000u32 {
             let symbol = symbols.intern(&format!(

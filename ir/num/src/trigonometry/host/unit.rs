@@ -76,11 +76,6 @@ impl TrigonometricUnit {
         name.parse().and_then(TrigonometricUnit::new)
     }
 
-    /// The implementation that the unit carries out.
-    pub fn implementation(&self) -> Implementation {
-        self.implementation
-    }
-
     /// Sine and cosine of an angle in radians: multiples of `2^-bits`, the
     /// same bits on every platform. NaN for angles from
     /// [`reduction::LARGEST`] on.
