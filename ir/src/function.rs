@@ -26,37 +26,19 @@ pub const MAX_INPUT_ELEMENTS: u64 = 1 << 20;
 /// little.
 pub const MAX_OUTPUT_ELEMENTS: u64 = 1 << 22;
 
-/// The degree to which a function has been lowered; each level is a property
-/// that the verifier checks, not another data structure.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Level {
-    /// A definition is an expression tree, as Robotran prints it.
-    Equations,
-    /// A definition is one operation.
-    Atomic,
-    /// Every operation has a cycle and a processing element.
-    Scheduled,
-    /// Addresses, transfers and buffers are decided as well.
-    Placed,
-}
-
-impl Level {
-    /// All levels, from the highest down.
-    pub const ALL: [Level; 4] = [
-        Level::Equations,
-        Level::Atomic,
-        Level::Scheduled,
-        Level::Placed,
-    ];
-
-    /// The level's name in the text form.
-    pub fn name(self) -> &'static str {
-        match self {
-            Level::Equations => "equations",
-            Level::Atomic => "atomic",
-            Level::Scheduled => "scheduled",
-            Level::Placed => "placed",
-        }
+robovec_num::named! {
+    /// The degree to which a function has been lowered; each level is a property
+    /// that the verifier checks, not another data structure.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+    pub enum Level {
+        /// A definition is an expression tree, as Robotran prints it.
+        Equations = "equations",
+        /// A definition is one operation.
+        Atomic = "atomic",
+        /// Every operation has a cycle and a processing element.
+        Scheduled = "scheduled",
+        /// Addresses, transfers and buffers are decided as well.
+        Placed = "placed",
     }
 }
 

@@ -111,43 +111,29 @@ impl ElementDescription {
     }
 }
 
-/// The construction of operand memories.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MemoryStyle {
-    /// One memory per element with two ports and twice the clock: both operands
-    /// are read in the first half of a cycle, up to `writes` words are written
-    /// in the second. An element that performs a fused operation reads three:
-    /// it has two copies of its memory with the same content, and the second
-    /// copy supplies the addend.
-    Unified,
-    /// One memory per operand side, each with one read and one write port, on
-    /// one clock: an operand must lie in the memory of its side.
-    SideSplit,
-    /// One memory per element with two read and two write ports on one clock,
-    /// as larger devices have (thesis, conclusion): the schedule is that of
-    /// [`MemoryStyle::Unified`], without the doubled clock. A third operand
-    /// comes from a second copy, as there.
-    FourPort,
+robovec_num::named! {
+    /// The construction of operand memories.
+    #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum MemoryStyle {
+        /// One memory per element with two ports and twice the clock: both operands
+        /// are read in the first half of a cycle, up to `writes` words are written
+        /// in the second. An element that performs a fused operation reads three:
+        /// it has two copies of its memory with the same content, and the second
+        /// copy supplies the addend.
+        Unified = "unified",
+        /// One memory per operand side, each with one read and one write port, on
+        /// one clock: an operand must lie in the memory of its side.
+        SideSplit = "side-split",
+        /// One memory per element with two read and two write ports on one clock,
+        /// as larger devices have (thesis, conclusion): the schedule is that of
+        /// [`MemoryStyle::Unified`], without the doubled clock. A third operand
+        /// comes from a second copy, as there.
+        FourPort = "four-port",
+    }
 }
 
 impl MemoryStyle {
-    /// All styles.
-    pub const ALL: [MemoryStyle; 3] = [
-        MemoryStyle::Unified,
-        MemoryStyle::SideSplit,
-        MemoryStyle::FourPort,
-    ];
-
-    /// Its name in machine files and options.
-    pub fn name(self) -> &'static str {
-        match self {
-            MemoryStyle::Unified => "unified",
-            MemoryStyle::SideSplit => "side-split",
-            MemoryStyle::FourPort => "four-port",
-        }
-    }
-
     /// Memories of one element: one, or one per operand side.
     pub fn banks(self) -> usize {
         match self {

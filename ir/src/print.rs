@@ -10,7 +10,7 @@ mod expression;
 mod text;
 
 use crate::entity::{Operand, Value};
-use crate::function::{Array, Assignment, Boundary, Level, Shape, Timing};
+use crate::function::{Array, Assignment, Boundary, Shape, Timing};
 use crate::history::History;
 use crate::module::{Module, View};
 use crate::placement::{Bank, Element, Placement, Schedule, Word};
@@ -486,11 +486,4 @@ fn timing_attributes(text: &mut Text<'_>, timing: Timing) {
         text.integer(number);
     }
     text.push("}");
-}
-
-impl Level {
-    /// The level of a name in the text form.
-    pub fn from_name(name: &str) -> Option<Level> {
-        Level::ALL.into_iter().find(|level| level.name() == name)
-    }
 }

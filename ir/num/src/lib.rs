@@ -23,6 +23,7 @@ pub mod format;
 pub mod hexadecimal;
 pub mod interval;
 pub mod limits;
+pub mod named;
 pub mod operation;
 pub mod power;
 pub mod radix;

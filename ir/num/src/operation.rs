@@ -1,52 +1,38 @@
 //! The operations a node can perform.
 
-/// The operation that a node performs on its operands.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-#[repr(u8)]
-pub enum Operation {
-    /// The operand itself; only at the equations level (`Z1 = q[13]`).
-    Copy,
-    /// `-a`; only at the equations level: `atomise` makes it `0 - a`.
-    Neg,
-    /// `a + b`.
-    Add,
-    /// `a - b`.
-    Sub,
-    /// `a * b`.
-    Mul,
-    /// `a / b`.
-    Div,
-    /// `sin(a)`.
-    Sin,
-    /// `cos(a)`.
-    Cos,
-    /// `sqrt(a)`.
-    Sqrt,
-    /// `a * b + c`, rounded once.
-    Fma,
-    /// `a * b - c`, rounded once.
-    Fms,
-    /// `c - a * b`, rounded once.
-    Fnma,
+crate::named! {
+    /// The operation that a node performs on its operands.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+    #[repr(u8)]
+    pub enum Operation {
+        /// The operand itself; only at the equations level (`Z1 = q[13]`).
+        Copy = "copy",
+        /// `-a`; only at the equations level: `atomise` makes it `0 - a`.
+        Neg = "neg",
+        /// `a + b`.
+        Add = "add",
+        /// `a - b`.
+        Sub = "sub",
+        /// `a * b`.
+        Mul = "mul",
+        /// `a / b`.
+        Div = "div",
+        /// `sin(a)`.
+        Sin = "sin",
+        /// `cos(a)`.
+        Cos = "cos",
+        /// `sqrt(a)`.
+        Sqrt = "sqrt",
+        /// `a * b + c`, rounded once.
+        Fma = "fma",
+        /// `a * b - c`, rounded once.
+        Fms = "fms",
+        /// `c - a * b`, rounded once.
+        Fnma = "fnma",
+    }
 }
 
 impl Operation {
-    /// All operations, in order of declaration.
-    pub const ALL: [Operation; 12] = [
-        Operation::Copy,
-        Operation::Neg,
-        Operation::Add,
-        Operation::Sub,
-        Operation::Mul,
-        Operation::Div,
-        Operation::Sin,
-        Operation::Cos,
-        Operation::Sqrt,
-        Operation::Fma,
-        Operation::Fms,
-        Operation::Fnma,
-    ];
-
     /// The number of operands of the operation: one to three.
     #[inline]
     pub fn arity(self) -> usize {
@@ -79,24 +65,5 @@ impl Operation {
     #[inline]
     pub fn is_trigonometric(self) -> bool {
         matches!(self, Operation::Sin | Operation::Cos)
-    }
-
-    /// The operation's name in machine files and statistics.
-    #[inline]
-    pub fn name(self) -> &'static str {
-        match self {
-            Operation::Copy => "copy",
-            Operation::Neg => "neg",
-            Operation::Add => "add",
-            Operation::Sub => "sub",
-            Operation::Mul => "mul",
-            Operation::Div => "div",
-            Operation::Sin => "sin",
-            Operation::Cos => "cos",
-            Operation::Sqrt => "sqrt",
-            Operation::Fma => "fma",
-            Operation::Fms => "fms",
-            Operation::Fnma => "fnma",
-        }
     }
 }

@@ -10,31 +10,22 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::LazyLock;
 
-/// A family of devices.
-#[derive(
-    Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug, Serialize, Deserialize,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum DeviceFamily {
-    /// The family of the thesis' board, by Intel.
-    #[default]
-    CycloneV,
-    /// By Lattice; open tools support placement and routing for it.
-    Ecp5,
+robovec_num::named! {
+    /// A family of devices.
+    #[derive(
+        Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug, Serialize, Deserialize,
+    )]
+    #[serde(rename_all = "kebab-case")]
+    pub enum DeviceFamily {
+        /// The family of the thesis' board, by Intel.
+        #[default]
+        CycloneV = "cyclone-v",
+        /// By Lattice; open tools support placement and routing for it.
+        Ecp5 = "ecp5",
+    }
 }
 
 impl DeviceFamily {
-    /// All families.
-    pub const ALL: [DeviceFamily; 2] = [DeviceFamily::CycloneV, DeviceFamily::Ecp5];
-
-    /// Its name in machine files and options.
-    pub fn name(self) -> &'static str {
-        match self {
-            DeviceFamily::CycloneV => "cyclone-v",
-            DeviceFamily::Ecp5 => "ecp5",
-        }
-    }
-
     /// True for the family that a machine file need not name.
     pub fn is_default(&self) -> bool {
         *self == DeviceFamily::default()
@@ -72,30 +63,20 @@ impl FromStr for DeviceFamily {
     }
 }
 
-/// Origin of a clock.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ClockOrigin {
-    /// Whoever wrote the machine file states it.
-    #[default]
-    Declared,
-    /// It was measured with hardware of this machine.
-    Measured,
-    /// The thesis prints it, of hardware that is not robovec's.
-    Published,
-    /// The model of the device states it.
-    Estimated,
-}
-
-impl ClockOrigin {
-    /// Its name, in outputs and machine files.
-    pub fn name(self) -> &'static str {
-        match self {
-            ClockOrigin::Declared => "declared",
-            ClockOrigin::Measured => "measured",
-            ClockOrigin::Published => "published",
-            ClockOrigin::Estimated => "estimated",
-        }
+robovec_num::named! {
+    /// Origin of a clock.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum ClockOrigin {
+        /// Whoever wrote the machine file states it.
+        #[default]
+        Declared = "declared",
+        /// It was measured with hardware of this machine.
+        Measured = "measured",
+        /// The thesis prints it, of hardware that is not robovec's.
+        Published = "published",
+        /// The model of the device states it.
+        Estimated = "estimated",
     }
 }
 

@@ -56,45 +56,25 @@ pub struct LinkNetwork {
     pub columns: Option<u32>,
 }
 
-/// The shape of a network (thesis, figures 1.4 and 1.5).
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Topology {
-    /// One link, heard by all.
-    Bus,
-    /// A rectangle of routers with a link in each direction between
-    /// neighbours; words go along the row first, then along the column.
-    Mesh,
-    /// A mesh whose rows and columns are rings; words take the shorter
-    /// direction, upwards where both are equal.
-    Torus,
-    /// Stages of two-by-two switches after perfect shuffles, one stage per bit
-    /// of the number of a place; a word enters on the line of its element.
-    Omega,
-    /// Routers whose numbers differ in one bit are neighbours; words correct
-    /// the bits from the lowest up.
-    Hypercube,
-}
-
-impl Topology {
-    /// All shapes.
-    pub const ALL: [Topology; 5] = [
-        Topology::Bus,
-        Topology::Mesh,
-        Topology::Torus,
-        Topology::Omega,
-        Topology::Hypercube,
-    ];
-
-    /// Its name in machine files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Topology::Bus => "bus",
-            Topology::Mesh => "mesh",
-            Topology::Torus => "torus",
-            Topology::Omega => "omega",
-            Topology::Hypercube => "hypercube",
-        }
+robovec_num::named! {
+    /// The shape of a network (thesis, figures 1.4 and 1.5).
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Topology {
+        /// One link, heard by all.
+        Bus = "bus",
+        /// A rectangle of routers with a link in each direction between
+        /// neighbours; words go along the row first, then along the column.
+        Mesh = "mesh",
+        /// A mesh whose rows and columns are rings; words take the shorter
+        /// direction, upwards where both are equal.
+        Torus = "torus",
+        /// Stages of two-by-two switches after perfect shuffles, one stage per bit
+        /// of the number of a place; a word enters on the line of its element.
+        Omega = "omega",
+        /// Routers whose numbers differ in one bit are neighbours; words correct
+        /// the bits from the lowest up.
+        Hypercube = "hypercube",
     }
 }
 

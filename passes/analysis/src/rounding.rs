@@ -72,25 +72,16 @@ pub struct RoundingErrors {
     blocks: [Vec<f64>; 2],
 }
 
-/// The trend of an error.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Trend {
-    /// It became smaller.
-    Better,
-    /// It did not change, or only within the noise.
-    Same,
-    /// It grew.
-    Worse,
-}
-
-impl Trend {
-    /// A word as its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Trend::Better => "better",
-            Trend::Same => "same",
-            Trend::Worse => "worse",
-        }
+robovec_num::named! {
+    /// The trend of an error.
+    #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+    pub enum Trend {
+        /// It became smaller.
+        Better = "better",
+        /// It did not change, or only within the noise.
+        Same = "same",
+        /// It grew.
+        Worse = "worse",
     }
 }
 

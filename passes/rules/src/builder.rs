@@ -276,8 +276,7 @@ impl<'text> RuleBuilder<'text> {
     }
 
     pub(super) fn requirement(&mut self, word: &str, span: Range<usize>) -> Action<'text> {
-        let known = Requirement::ALL.iter().find(|known| known.name() == word);
-        let Some(&requirement) = known else {
+        let Some(requirement) = Requirement::from_name(word) else {
             let names = Requirement::ALL.map(Requirement::name);
             let known = format!("conditions: {}", names.join(", "));
             return Err(self.unknown("condition", word, span, &names, known).into());

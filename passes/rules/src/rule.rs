@@ -4,37 +4,23 @@ use super::pattern::Pattern;
 use robovec_analysis::class::NumericClass;
 use std::ops::Range;
 
-/// A condition on the value that a variable represents.
-///
-/// A pass may use the rule only where it *knows* that the condition holds:
-/// of a number in the equations it does, of a state it does not.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Requirement {
-    /// `constant(a)`: a number written in the equations.
-    Constant,
-    /// `nonzero(a)`: not zero.
-    Nonzero,
-    /// `positive(a)`: above zero.
-    Positive,
+robovec_num::named! {
+    /// A condition on the value that a variable represents.
+    ///
+    /// A pass may use the rule only where it *knows* that the condition holds:
+    /// of a number in the equations it does, of a state it does not.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+    pub enum Requirement {
+        /// `constant(a)`: a number written in the equations.
+        Constant = "constant",
+        /// `nonzero(a)`: not zero.
+        Nonzero = "nonzero",
+        /// `positive(a)`: above zero.
+        Positive = "positive",
+    }
 }
 
 impl Requirement {
-    /// All requirements.
-    pub const ALL: [Requirement; 3] = [
-        Requirement::Constant,
-        Requirement::Nonzero,
-        Requirement::Positive,
-    ];
-
-    /// The word in rule files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Requirement::Constant => "constant",
-            Requirement::Nonzero => "nonzero",
-            Requirement::Positive => "positive",
-        }
-    }
-
     /// True when a number meets the requirement.
     pub fn holds_for(self, number: f64) -> bool {
         match self {

@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
     text += &operators(&mapped, arguments.number)?;
     if arguments.paths {
         for one in &mapped {
-            let _ = writeln!(text, "\n{} of {} stages:", one.core.module(), one.stages);
+            let _ = writeln!(text, "\n{} of {} stages:", one.core.name(), one.stages);
             text += &one.path.iter().map(page::steps).collect::<String>();
         }
     }
@@ -193,7 +193,7 @@ fn operators(mapped: &[Mapped], number: Format) -> Result<String, CommandFailure
         let megahertz = |period: u32| format!("{:.0}", 1e6 / f64::from(period.max(1)));
         let middle = (one.quick.enclosed + one.slow.enclosed) / 2;
         rows.push(vec![
-            one.core.module().to_owned(),
+            one.core.name().to_owned(),
             one.stages.to_string(),
             format!("{:.0}", counted.aluts),
             format!("{:.0}", estimated.aluts),

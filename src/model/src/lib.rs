@@ -154,28 +154,16 @@ impl JointKind {
     }
 }
 
-/// Cause of a joint's motion.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Nature {
-    /// A degree of freedom.
-    Independent,
-    /// Follows from the loops.
-    Dependent,
-    /// Given as a function of time.
-    Driven,
-}
-
-impl Nature {
-    /// The three natures.
-    pub const ALL: [Nature; 3] = [Nature::Independent, Nature::Dependent, Nature::Driven];
-
-    /// The nature's name in `.mbs` files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Nature::Independent => "independent",
-            Nature::Dependent => "dependent",
-            Nature::Driven => "driven",
-        }
+robovec_num::named! {
+    /// Cause of a joint's motion.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+    pub enum Nature {
+        /// A degree of freedom.
+        Independent = "independent",
+        /// Follows from the loops.
+        Dependent = "dependent",
+        /// Given as a function of time.
+        Driven = "driven",
     }
 }
 

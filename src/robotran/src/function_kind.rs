@@ -1,103 +1,57 @@
 //! The functions that Robotran makes of a model.
 
-/// Robotran's functions of a model.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub enum FunctionKind {
-    /// `M` and `c` of `M qdd + c = Qq` (F1).
-    Dirdyna,
-    /// `Qq` for given accelerations (F2).
-    Invdyna,
-    /// The constraints `h` of loops and their Jacobian `Jac` (F8).
-    ConsHJ,
-    /// Rest of the constraints' second derivative, `Jdqd` (F18).
-    ConsJdqd,
-    /// Forces of links, added to `frc` and `trq` (F7).
-    Link,
-    /// External forces, added to `frc` and `trq` (F19).
-    Extforces,
-    /// Sensors, one function each (F6).
-    Sensor,
-    /// Everything about the frame of every joint, one function each (F6).
-    Gensensor,
-    /// Accelerations `qdd` for given joint forces (F10).
-    Accelred,
-    /// Forces of actuators for given accelerations (F11).
-    Invdynared,
-    /// One round of Newton's method for the positions of dependent joints,
-    /// and the constraints `h` before it.
-    LoopPositions,
-    /// The velocities of dependent joints.
-    LoopVelocities,
-    /// Derivatives of the forces of inverse dynamics by positions and
-    /// velocities.
-    InvdynaD,
-    /// Derivatives of forward dynamics by positions, velocities and forces,
-    /// loops left open.
-    DirdynaD,
-    /// Derivatives of accelerations by positions, velocities and forces, loops
-    /// closed.
-    AccelD,
-    /// The matrices of the linear system that moves as the model does near a
-    /// state, loops closed.
-    Linear,
-    /// The inverse of the mass matrix.
-    Minv,
-    /// The forces of inverse dynamics for a unit of each inertia of a body.
-    Regressor,
-    /// Pose, motion and Jacobian of every frame that has a name, one function
-    /// each.
-    Frame,
+robovec_num::named! {
+    /// Robotran's functions of a model.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+    pub enum FunctionKind {
+        /// `M` and `c` of `M qdd + c = Qq` (F1).
+        Dirdyna = "dirdyna",
+        /// `Qq` for given accelerations (F2).
+        Invdyna = "invdyna",
+        /// The constraints `h` of loops and their Jacobian `Jac` (F8).
+        ConsHJ = "cons_hJ",
+        /// Rest of the constraints' second derivative, `Jdqd` (F18).
+        ConsJdqd = "cons_jdqd",
+        /// Forces of links, added to `frc` and `trq` (F7).
+        Link = "link",
+        /// External forces, added to `frc` and `trq` (F19).
+        Extforces = "extforces",
+        /// Sensors, one function each (F6).
+        Sensor = "sensor",
+        /// Everything about the frame of every joint, one function each (F6).
+        Gensensor = "gensensor",
+        /// Accelerations `qdd` for given joint forces (F10).
+        Accelred = "accelred",
+        /// Forces of actuators for given accelerations (F11).
+        Invdynared = "invdynared",
+        /// One round of Newton's method for the positions of dependent joints,
+        /// and the constraints `h` before it.
+        LoopPositions = "loop_positions",
+        /// The velocities of dependent joints.
+        LoopVelocities = "loop_velocities",
+        /// Derivatives of the forces of inverse dynamics by positions and
+        /// velocities.
+        InvdynaD = "invdyna_d",
+        /// Derivatives of forward dynamics by positions, velocities and forces,
+        /// loops left open.
+        DirdynaD = "dirdyna_d",
+        /// Derivatives of accelerations by positions, velocities and forces, loops
+        /// closed.
+        AccelD = "accel_d",
+        /// The matrices of the linear system that moves as the model does near a
+        /// state, loops closed.
+        Linear = "linear",
+        /// The inverse of the mass matrix.
+        Minv = "minv",
+        /// The forces of inverse dynamics for a unit of each inertia of a body.
+        Regressor = "regressor",
+        /// Pose, motion and Jacobian of every frame that has a name, one function
+        /// each.
+        Frame = "frame",
+    }
 }
 
 impl FunctionKind {
-    /// All functions.
-    pub const ALL: [FunctionKind; 19] = [
-        FunctionKind::Dirdyna,
-        FunctionKind::Invdyna,
-        FunctionKind::ConsHJ,
-        FunctionKind::ConsJdqd,
-        FunctionKind::Link,
-        FunctionKind::Extforces,
-        FunctionKind::Sensor,
-        FunctionKind::Gensensor,
-        FunctionKind::Accelred,
-        FunctionKind::Invdynared,
-        FunctionKind::LoopPositions,
-        FunctionKind::LoopVelocities,
-        FunctionKind::InvdynaD,
-        FunctionKind::DirdynaD,
-        FunctionKind::AccelD,
-        FunctionKind::Linear,
-        FunctionKind::Minv,
-        FunctionKind::Regressor,
-        FunctionKind::Frame,
-    ];
-
-    /// Robotran's name, without `mbs_`.
-    pub fn name(self) -> &'static str {
-        match self {
-            FunctionKind::Dirdyna => "dirdyna",
-            FunctionKind::Invdyna => "invdyna",
-            FunctionKind::ConsHJ => "cons_hJ",
-            FunctionKind::ConsJdqd => "cons_jdqd",
-            FunctionKind::Link => "link",
-            FunctionKind::Extforces => "extforces",
-            FunctionKind::Sensor => "sensor",
-            FunctionKind::Gensensor => "gensensor",
-            FunctionKind::Accelred => "accelred",
-            FunctionKind::Invdynared => "invdynared",
-            FunctionKind::LoopPositions => "loop_positions",
-            FunctionKind::LoopVelocities => "loop_velocities",
-            FunctionKind::InvdynaD => "invdyna_d",
-            FunctionKind::DirdynaD => "dirdyna_d",
-            FunctionKind::AccelD => "accel_d",
-            FunctionKind::Linear => "linear",
-            FunctionKind::Minv => "minv",
-            FunctionKind::Regressor => "regressor",
-            FunctionKind::Frame => "frame",
-        }
-    }
-
     /// True when the result contains the forces of links, or takes them as
     /// given: links absent from a model are absent from the result.
     pub fn depends_on_link_forces(self) -> bool {
@@ -175,13 +129,6 @@ impl FunctionKind {
             FunctionKind::InvdynaD | FunctionKind::Regressor => "F2",
             FunctionKind::DirdynaD | FunctionKind::Minv => "F1",
         }
-    }
-
-    /// The function with this name.
-    pub fn from_name(name: &str) -> Option<FunctionKind> {
-        FunctionKind::ALL
-            .into_iter()
-            .find(|kind| kind.name() == name)
     }
 
     /// The function with the result of this name: as

@@ -70,30 +70,20 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
     ("index", header::EXTENT, ""),
 ];
 
-/// A language Robotran writes.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Language {
-    /// C, for MBsysC.
-    C,
-    /// Matlab, for MBsysLab.
-    Matlab,
-    /// Python, for MBsysPy.
-    Python,
+robovec_num::named! {
+    /// A language Robotran writes.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+    pub enum Language {
+        /// C, for MBsysC.
+        C = "c",
+        /// Matlab, for MBsysLab.
+        Matlab = "matlab",
+        /// Python, for MBsysPy.
+        Python = "python",
+    }
 }
 
 impl Language {
-    /// All languages.
-    pub const ALL: [Language; 3] = [Language::C, Language::Matlab, Language::Python];
-
-    /// The language's name, in lower case.
-    pub fn name(self) -> &'static str {
-        match self {
-            Language::C => "c",
-            Language::Matlab => "matlab",
-            Language::Python => "python",
-        }
-    }
-
     /// The language of a file name's extension, without the dot.
     pub fn from_extension(extension: &str) -> Option<Language> {
         match extension {

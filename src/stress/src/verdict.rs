@@ -5,45 +5,25 @@ use robovec_ir::Format;
 use serde::Deserialize;
 use std::fmt;
 
-/// Cause of an error.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StressVerdict {
-    /// At least half of the format's digits are right.
-    Fine,
-    /// The error is about that of rounding the data to the format: no program
-    /// could be better with rounded data.
-    HardProblem,
-    /// The error is much larger than that: another form of the computation is
-    /// better.
-    BadCode,
-    /// Numbers leave the range of the format, and a wider exponent alone
-    /// helps.
-    OutOfRange,
-    /// Result that contradicts itself: a mass matrix that is not positive
-    /// definite.
-    Inconsistent,
-}
-
-impl StressVerdict {
-    /// All verdicts.
-    pub const ALL: [StressVerdict; 5] = [
-        StressVerdict::Fine,
-        StressVerdict::HardProblem,
-        StressVerdict::BadCode,
-        StressVerdict::OutOfRange,
-        StressVerdict::Inconsistent,
-    ];
-
-    /// The verdict in words.
-    pub fn name(self) -> &'static str {
-        match self {
-            StressVerdict::Fine => "fine",
-            StressVerdict::HardProblem => "hard problem",
-            StressVerdict::BadCode => "bad code",
-            StressVerdict::OutOfRange => "out of range",
-            StressVerdict::Inconsistent => "inconsistent",
-        }
+robovec_num::named! {
+    /// Cause of an error.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum StressVerdict {
+        /// At least half of the format's digits are right.
+        Fine = "fine",
+        /// The error is about that of rounding the data to the format: no program
+        /// could be better with rounded data.
+        HardProblem = "hard problem",
+        /// The error is much larger than that: another form of the computation is
+        /// better.
+        BadCode = "bad code",
+        /// Numbers leave the range of the format, and a wider exponent alone
+        /// helps.
+        OutOfRange = "out of range",
+        /// Result that contradicts itself: a mass matrix that is not positive
+        /// definite.
+        Inconsistent = "inconsistent",
     }
 }
 

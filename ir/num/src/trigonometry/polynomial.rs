@@ -4,13 +4,15 @@ use crate::double_double::Double;
 use crate::format::Format;
 use crate::soft_float::FormatArithmetic;
 
-/// One of the two circular functions.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Circular {
-    /// The sine: odd powers of the angle.
-    Sine,
-    /// The cosine: even powers of the angle.
-    Cosine,
+crate::named! {
+    /// One of the two circular functions.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+    pub enum Circular {
+        /// The sine: odd powers of the angle.
+        Sine = "sine",
+        /// The cosine: even powers of the angle.
+        Cosine = "cosine",
+    }
 }
 
 impl Circular {
@@ -29,14 +31,6 @@ impl Circular {
     /// up to the order.
     pub fn terms(self, order: u32) -> usize {
         ((order.max(1) - self.first_power()) / 2 + 1) as usize
-    }
-
-    /// The name for users.
-    pub fn name(self) -> &'static str {
-        match self {
-            Circular::Sine => "sine",
-            Circular::Cosine => "cosine",
-        }
     }
 
     /// The first coefficients of the function's own series, to some 100 bits:

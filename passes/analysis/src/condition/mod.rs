@@ -61,17 +61,19 @@ pub fn conditions(tape: &Tape, inputs: &[f64], places: &[usize]) -> Vec<f64> {
 /// some dozens of terms.
 pub const ORDINARY: f64 = 64.0;
 
-/// The origin of an error.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Judgement {
-    /// It is ordinary: at most [`ORDINARY`] roundings.
-    Accurate,
-    /// It is large because the problem is ill-conditioned: at most [`ORDINARY`]
-    /// times the effect of rounding the inputs.
-    HardProblem,
-    /// It is larger than the problem explains: another order or form of the
-    /// equations could do better.
-    UnstableCode,
+robovec_num::named! {
+    /// The origin of an error.
+    #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+    pub enum Judgement {
+        /// It is ordinary: at most [`ORDINARY`] roundings.
+        Accurate = "accurate",
+        /// It is large because the problem is ill-conditioned: at most [`ORDINARY`]
+        /// times the effect of rounding the inputs.
+        HardProblem = "hard problem",
+        /// It is larger than the problem explains: another order or form of the
+        /// equations could do better.
+        UnstableCode = "unstable code",
+    }
 }
 
 impl Judgement {
@@ -85,15 +87,6 @@ impl Judgement {
             Judgement::HardProblem
         } else {
             Judgement::UnstableCode
-        }
-    }
-
-    /// A word or two as its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Judgement::Accurate => "accurate",
-            Judgement::HardProblem => "hard problem",
-            Judgement::UnstableCode => "unstable code",
         }
     }
 }

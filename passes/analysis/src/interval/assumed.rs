@@ -10,25 +10,16 @@ use robovec_num::interval::Interval;
 /// samples: twice, about the same middle.
 pub const MARGIN: f64 = 2.0;
 
-/// The basis of a range, the best first.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum RangeBasis {
-    /// It is that of a literal, or given for the input.
-    Given,
-    /// It is the range from which random states draw the input.
-    Drawn,
-    /// It is the hull of a value's samples with a margin, without proof.
-    Assumed,
-}
-
-impl RangeBasis {
-    /// The word for its origin.
-    pub fn text(self) -> &'static str {
-        match self {
-            RangeBasis::Given => "given",
-            RangeBasis::Drawn => "drawn",
-            RangeBasis::Assumed => "assumed",
-        }
+robovec_num::named! {
+    /// The basis of a range, the best first.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+    pub enum RangeBasis {
+        /// It is that of a literal, or given for the input.
+        Given = "given",
+        /// It is the range from which random states draw the input.
+        Drawn = "drawn",
+        /// It is the hull of a value's samples with a margin, without proof.
+        Assumed = "assumed",
     }
 }
 

@@ -58,16 +58,18 @@ pub struct WindowEnclosure {
     pub error: f64,
 }
 
-/// An alarm that a range raises about a format.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum Alarm {
-    /// Results may be larger than the format's largest number.
-    MayOverflow,
-    /// All results overflow.
-    Overflows,
-    /// All results are smaller than the smallest normal number (of fixed point:
-    /// than a step), zero excepted.
-    Underflows,
+robovec_num::named! {
+    /// An alarm that a range raises about a format.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+    pub enum Alarm {
+        /// Results may be larger than the format's largest number.
+        MayOverflow = "may overflow",
+        /// All results overflow.
+        Overflows = "overflows",
+        /// All results are smaller than the smallest normal number (of fixed point:
+        /// than a step), zero excepted.
+        Underflows = "underflows",
+    }
 }
 
 impl Alarm {
@@ -86,15 +88,6 @@ impl Alarm {
             Some(Alarm::Underflows)
         } else {
             None
-        }
-    }
-
-    /// The alarm in words.
-    pub fn text(self) -> &'static str {
-        match self {
-            Alarm::MayOverflow => "may overflow",
-            Alarm::Overflows => "overflows",
-            Alarm::Underflows => "underflows",
         }
     }
 }

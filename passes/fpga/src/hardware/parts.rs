@@ -15,38 +15,25 @@ use crate::rtl::cores_of;
 use robovec_ir::machine::{Interconnect, MemoryStyle};
 use serde::Serialize;
 
-/// The kind of a part.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PartKind {
-    /// The operators of an element.
-    Operators,
-    /// The instruction memory of an element, with its word register.
-    Instructions,
-    /// The operand memories of an element.
-    Operands,
-    /// The buffer of an element.
-    Buffer,
-    /// The crossbar.
-    Crossbar,
-    /// The counter of cycles.
-    Sequencer,
-    /// The host's window, with its way to the memories.
-    Window,
-}
-
-impl PartKind {
-    /// Its name for users.
-    pub fn name(self) -> &'static str {
-        match self {
-            PartKind::Operators => "operators",
-            PartKind::Instructions => "instruction memory",
-            PartKind::Operands => "operand memories",
-            PartKind::Buffer => "buffer",
-            PartKind::Crossbar => "crossbar",
-            PartKind::Sequencer => "sequencer",
-            PartKind::Window => "host window",
-        }
+robovec_num::named! {
+    /// The kind of a part.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum PartKind {
+        /// The operators of an element.
+        Operators = "operators",
+        /// The instruction memory of an element, with its word register.
+        Instructions = "instruction memory",
+        /// The operand memories of an element.
+        Operands = "operand memories",
+        /// The buffer of an element.
+        Buffer = "buffer",
+        /// The crossbar.
+        Crossbar = "crossbar",
+        /// The counter of cycles.
+        Sequencer = "sequencer",
+        /// The host's window, with its way to the memories.
+        Window = "host window",
     }
 }
 

@@ -205,7 +205,7 @@ fn core_files(hardware: &Hardware) -> Vec<(&'static str, &'static str)> {
     };
     let mut wanted: Vec<&str> = (hardware.elements.iter())
         .flat_map(|group| cores_of(hardware.kind(group)))
-        .map(OperatorCore::module)
+        .map(OperatorCore::name)
         .collect();
     let mut files = Vec::new();
     while let Some(module) = wanted.pop() {

@@ -18,7 +18,7 @@ struct UnitCore {
 
 impl UnitCore {
     fn name(&self) -> &'static str {
-        self.core.module()
+        self.core.name()
     }
 }
 

@@ -263,7 +263,7 @@ fn line(
         let report = bench.run(Simulator::Verilator, vectors);
         println!(
             "{:<9} {:<17} {stages:>6} {:>9} {:>7} {}",
-            core.module(),
+            core.name(),
             robovec_ir::Format::Float(format).to_string(),
             report.checked,
             report.wrong,

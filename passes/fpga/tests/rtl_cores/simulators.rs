@@ -126,7 +126,7 @@ impl Bench {
 endmodule
 ",
             width = exponent + mantissa,
-            module = self.core.module(),
+            module = self.core.name(),
             subnormals = u32::from(subnormals),
             blocks = blocks.concat(),
             mask = self.cuts.mask,

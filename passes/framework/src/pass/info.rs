@@ -5,29 +5,19 @@ use crate::options::{OptionError, OptionInfo};
 use robovec_analysis::class::NumericClass;
 use robovec_ir::Level;
 
-/// A fact about a function that a pass can establish or destroy and another can
-/// require.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Property {
-    /// Every node carries its earliest and latest times.
-    Timed,
-    /// No `0 - x` is left that no output forces.
-    ZeroFree,
-    /// No two nodes compute the same.
-    Shared,
-    /// Every node is needed by an output.
-    Live,
-}
-
-impl Property {
-    /// The property's name in the manual and in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Property::Timed => "timed",
-            Property::ZeroFree => "zero-free",
-            Property::Shared => "shared",
-            Property::Live => "live",
-        }
+robovec_num::named! {
+    /// A fact about a function that a pass can establish or destroy and another can
+    /// require.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+    pub enum Property {
+        /// Every node carries its earliest and latest times.
+        Timed = "timed",
+        /// No `0 - x` is left that no output forces.
+        ZeroFree = "zero-free",
+        /// No two nodes compute the same.
+        Shared = "shared",
+        /// Every node is needed by an output.
+        Live = "live",
     }
 }
 

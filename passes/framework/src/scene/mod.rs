@@ -81,37 +81,18 @@ pub struct OutputTolerance {
     pub scale: Option<f64>,
 }
 
-/// The measure an error is compared with.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Measure {
-    /// The largest element of the output's array, or the tolerance's scale
-    /// where that is larger.
-    #[default]
-    Norm,
-    /// The element itself, or the tolerance's scale where that is larger.
-    Relative,
-    /// No reference: the error has the unit of the output.
-    Absolute,
-}
-
-impl Measure {
-    /// All measures.
-    pub const ALL: [Measure; 3] = [Measure::Norm, Measure::Relative, Measure::Absolute];
-
-    /// The measure's name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Measure::Norm => "norm",
-            Measure::Relative => "relative",
-            Measure::Absolute => "absolute",
-        }
-    }
-
-    /// The measure with this name.
-    pub fn from_name(name: &str) -> Option<Measure> {
-        Measure::ALL
-            .into_iter()
-            .find(|measure| measure.name() == name)
+robovec_num::named! {
+    /// The measure an error is compared with.
+    #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+    pub enum Measure {
+        /// The largest element of the output's array, or the tolerance's scale
+        /// where that is larger.
+        #[default]
+        Norm = "norm",
+        /// The element itself, or the tolerance's scale where that is larger.
+        Relative = "relative",
+        /// No reference: the error has the unit of the output.
+        Absolute = "absolute",
     }
 }
 

@@ -47,7 +47,7 @@ pub struct ProofRow {
 pub(super) fn prove(view: View<'_>, tape: &Tape, settings: &ErrorSettings) -> (Vec<ProofRow>, u64) {
     let ranges = input_ranges(view, &settings.states);
     let basis = ranges.iter().map(|range| range.knowledge).max();
-    let basis = basis.unwrap_or(RangeBasis::Given).text();
+    let basis = basis.unwrap_or(RangeBasis::Given).name();
     let inputs: Vec<Interval> = ranges.iter().map(|range| range.range).collect();
     let bounds = norm_bounds(tape, &inputs, settings.format, settings.data);
     let subject = SearchSubject {
@@ -80,7 +80,7 @@ pub(super) fn prove(view: View<'_>, tape: &Tape, settings: &ErrorSettings) -> (V
             found: largest,
             method,
             ranges: basis,
-            alarm: Alarm::of(range, settings.format).map(Alarm::text),
+            alarm: Alarm::of(range, settings.format).map(Alarm::name),
             integer_bits: integer_bits(range),
             reason: unproved.then(|| reason(view, tape, &bounds, slot)),
         }

@@ -286,8 +286,8 @@ pub(super) fn interval(
         states,
         boxes: found.boxes,
         operations: window.nodes.len(),
-        ranges: leaves.knowledge.text(),
-        alarm: Alarm::of(found.range, format).map(Alarm::text),
+        ranges: leaves.knowledge.name(),
+        alarm: Alarm::of(found.range, format).map(Alarm::name),
         integer_bits: integer_bits(found.range),
     }
 }

@@ -22,18 +22,20 @@ pub const OPERATIONS: &str = "operations";
 /// Label of the schedule beside its bound.
 pub const SCHEDULE: &str = "schedule";
 
-/// Quantity by which programs are compared.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SpeedMeasure {
-    /// Cycles of the schedule.
-    Cycles,
-    /// Time of one call in C, ns.
-    NanosecondsOfACall,
-    /// Time per state in C that evaluates several, ns.
-    NanosecondsOfAState,
-    /// Operations, where nothing is timed.
-    Operations,
+robovec_num::named! {
+    /// Quantity by which programs are compared.
+    #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum SpeedMeasure {
+        /// Cycles of the schedule.
+        Cycles = "cycles",
+        /// Time of one call in C, ns.
+        NanosecondsOfACall = "ns a call",
+        /// Time per state in C that evaluates several, ns.
+        NanosecondsOfAState = "ns a state",
+        /// Operations, where nothing is timed.
+        Operations = "operations",
+    }
 }
 
 /// The program that was taken beside the function as it came.
@@ -117,7 +119,7 @@ impl OptimisationAnswer {
     /// The gain in one line.
     pub fn headline(&self) -> String {
         let after = self.measure.text(self.after);
-        let unit = self.measure.unit();
+        let unit = self.measure.name();
         let (Some(before), Some(ratio)) = (self.before, self.times_faster) else {
             return format!("{after} {unit}; the input was not measured: {}", self.input);
         };
@@ -200,16 +202,6 @@ impl SpeedMeasure {
         match self {
             SpeedMeasure::Cycles | SpeedMeasure::Operations => 0.0005,
             SpeedMeasure::NanosecondsOfACall | SpeedMeasure::NanosecondsOfAState => 0.03,
-        }
-    }
-
-    /// Unit of a speed.
-    pub(super) fn unit(self) -> &'static str {
-        match self {
-            SpeedMeasure::Cycles => "cycles",
-            SpeedMeasure::NanosecondsOfACall => "ns a call",
-            SpeedMeasure::NanosecondsOfAState => "ns a state",
-            SpeedMeasure::Operations => "operations",
         }
     }
 
@@ -326,7 +318,7 @@ fn others(found: &Optimised, measure: SpeedMeasure) -> Vec<String> {
     let worst = |point: &OptimisationPoint| point.errors.map_or(f64::INFINITY, |errors| errors[1]);
     let text = |point: &OptimisationPoint| {
         let (speed, error) = (measure.text(speed(point)), exponential(worst(point)));
-        format!("{speed} {} at {error} ({})", measure.unit(), point.name)
+        format!("{speed} {} at {error} ({})", measure.name(), point.name)
     };
     let points = || {
         let points = front.iter().map(|&index| &found.points[index]);

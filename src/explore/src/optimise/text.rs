@@ -81,7 +81,7 @@ pub fn front_table(found: &Optimised, measure: SpeedMeasure, rows: usize) -> Str
     };
     let list = columns! { &OptimisationPoint;
         "program", [All, All], |point| cut(&point.name, NAME);
-        measure.unit(), [digits, All], move |point| measure.of(point);
+        measure.name(), [digits, All], move |point| measure.of(point);
         worst, [Exponent(1), All], |point| point.errors.map(|errors| errors[1]);
         "found", [Exponent(1), All], |point| point.found;
         "proved", [Exponent(1), All], |point| point.proved;
@@ -184,7 +184,7 @@ pub fn figure(found: &Optimised, measure: SpeedMeasure) -> Figure {
     }
     let panel = Panel::curves(
         "",
-        PlotAxis::new(measure.unit(), AxisScale::Decades),
+        PlotAxis::new(measure.name(), AxisScale::Decades),
         PlotAxis::new("worst error", AxisScale::Decades),
         curves,
     );

@@ -114,28 +114,21 @@ pub(super) const SATURATED: f64 = 1.02;
 /// See [`SATURATED`].
 pub(super) const BUSY: f64 = 1.10;
 
-/// A zone.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Zone {
-    /// More elements shorten the run in proportion.
-    Parallelisation,
-    /// More elements shorten the run, at the cost of their use.
-    Transition,
-    /// More elements are of no use.
-    Saturation,
+robovec_num::named! {
+    /// A zone.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub(super) enum Zone {
+        /// More elements shorten the run in proportion.
+        Parallelisation = "parallelisation",
+        /// More elements shorten the run, at the cost of their use.
+        Transition = "transition",
+        /// More elements are of no use.
+        Saturation = "saturation",
+    }
 }
 
 impl Zone {
-    /// The zone's name.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Zone::Parallelisation => "parallelisation",
-            Zone::Transition => "transition",
-            Zone::Saturation => "saturation",
-        }
-    }
-
     /// The zone in figures: full while more elements help, tinted in between,
     /// hollow when they no longer do.
     pub(super) fn mark(self) -> MarkZone {

@@ -62,32 +62,21 @@ pub(super) struct PrintedSystem {
     pub modified: Option<PrintedRow>,
 }
 
-/// Connection of the bodies of a system.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum SystemTopology {
-    /// The railway bogie.
-    Bogie,
-    /// One chain.
-    Serial,
-    /// Some chains.
-    SemiSerial,
-    /// Many chains.
-    Parallel,
-    /// The 70-dof system, which is none of the three.
-    Mixed,
-}
-
-impl SystemTopology {
-    /// The topology's name.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            SystemTopology::Bogie => "bogie",
-            SystemTopology::Serial => "serial",
-            SystemTopology::SemiSerial => "semi-serial",
-            SystemTopology::Parallel => "parallel",
-            SystemTopology::Mixed => "70-dof system",
-        }
+robovec_num::named! {
+    /// Connection of the bodies of a system.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub(super) enum SystemTopology {
+        /// The railway bogie.
+        Bogie = "bogie",
+        /// One chain.
+        Serial = "serial",
+        /// Some chains.
+        SemiSerial = "semi-serial",
+        /// Many chains.
+        Parallel = "parallel",
+        /// The 70-dof system, which is none of the three.
+        Mixed = "70-dof system",
     }
 }
 

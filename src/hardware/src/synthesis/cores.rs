@@ -54,7 +54,7 @@ pub fn design(core: OperatorCore, format: NumberFormat, stages: u32) -> Synthesi
     ];
     let files = SOURCES.iter();
     SynthesisDesign {
-        top: core.module().to_owned(),
+        top: core.name().to_owned(),
         parameters: parameters
             .map(|(name, value)| (name.to_owned(), value))
             .to_vec(),

@@ -71,7 +71,7 @@ pub fn design(files: &[(String, String)]) -> SynthesisDesign {
         .cloned()
         .partition(|(name, _)| name == CLOSED);
     let parts = MODULES.iter().map(|(name, _)| *name);
-    let operators = OperatorCore::ALL.iter().map(|core| core.module());
+    let operators = OperatorCore::ALL.iter().map(|core| core.name());
     SynthesisDesign {
         top: TOP.to_owned(),
         parameters: vec![("INITIAL".to_owned(), "0".to_owned())],

@@ -176,13 +176,13 @@ fn refuse_others(path: &Path, bytes: &[u8], wanted: FileKind) -> Result<(), Repo
         return Ok(());
     }
     let name = path.display();
-    let other = |what: &str| format!("{name} is not {}: it looks like {what}", wanted.noun());
+    let other = |what: &str| format!("{name} is not {}: it looks like {what}", wanted.name());
     let (message, note) = match look(&name.to_string(), bytes) {
         FileLook::Empty => (
             format!("{name} is empty"),
-            format!("expected {}", wanted.noun()),
+            format!("expected {}", wanted.name()),
         ),
-        FileLook::Known(kind) if kind != wanted => (other(kind.noun()), kind.takers().to_owned()),
+        FileLook::Known(kind) if kind != wanted => (other(kind.name()), kind.takers().to_owned()),
         FileLook::Toml if !wanted.is_toml() => (other("TOML"), "no command takes it".to_owned()),
         FileLook::Json if wanted != FileKind::Hardware => {
             (other("JSON"), "no command takes it".to_owned())

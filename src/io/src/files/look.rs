@@ -4,60 +4,42 @@
 //! **Invariant.** A file that the reader of its kind would accept is recognised
 //! as that kind or as no particular kind.
 
-/// A kind of file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum FileKind {
-    /// Equations, in any language.
-    Equations,
-    /// A model.
-    Model,
-    /// A pipeline.
-    Pipeline,
-    /// A machine.
-    Machine,
-    /// A scene.
-    Scene,
-    /// Laws of forces.
-    Laws,
-    /// A plan of a study.
-    Plan,
-    /// Rules.
-    Rules,
-    /// Rules of another tool.
-    ForeignRules,
-    /// States.
-    States,
-    /// A memory image or its manifest.
-    Image,
-    /// A description of hardware.
-    Hardware,
-    /// The description of a target of code generation.
-    Target,
-    /// The template of a target: text of any language.
-    Template,
+robovec_num::named! {
+    /// A kind of file.
+    #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+    pub enum FileKind {
+        /// Equations, in any language.
+        Equations = "a file of equations",
+        /// A model.
+        Model = "a model (.mbs, .urdf, .xml)",
+        /// A pipeline.
+        Pipeline = "a pipeline",
+        /// A machine.
+        Machine = "a machine",
+        /// A scene.
+        Scene = "a scene",
+        /// Laws of forces.
+        Laws = "a file of laws",
+        /// A plan of a study.
+        Plan = "a plan of a study",
+        /// Rules.
+        Rules = "a file of rules",
+        /// Rules of another tool.
+        ForeignRules = "a file of rules of another tool",
+        /// States.
+        States = "a file of states",
+        /// A memory image or its manifest.
+        Image = "a memory image",
+        /// A description of hardware.
+        Hardware = "a description of hardware (machine.json)",
+        /// The description of a target of code generation.
+        Target = "the description of a target (target.toml)",
+        /// The template of a target: text of any language.
+        Template = "a template (template.jinja)",
+    }
 }
 
 impl FileKind {
-    /// The name of such a file, with its article, for messages.
-    pub fn noun(self) -> &'static str {
-        match self {
-            FileKind::Equations => "a file of equations",
-            FileKind::Model => "a model (.mbs, .urdf, .xml)",
-            FileKind::Pipeline => "a pipeline",
-            FileKind::Machine => "a machine",
-            FileKind::Scene => "a scene",
-            FileKind::Laws => "a file of laws",
-            FileKind::Plan => "a plan of a study",
-            FileKind::Rules => "a file of rules",
-            FileKind::ForeignRules => "a file of rules of another tool",
-            FileKind::States => "a file of states",
-            FileKind::Image => "a memory image",
-            FileKind::Hardware => "a description of hardware (machine.json)",
-            FileKind::Target => "the description of a target (target.toml)",
-            FileKind::Template => "a template (template.jinja)",
-        }
-    }
-
     pub(super) fn is_toml(self) -> bool {
         matches!(
             self,

@@ -16,19 +16,21 @@ use robovec_ir::machine::Device;
 use robovec_num::NumberFormat;
 pub use steps::{CoreStep, stage_delay};
 
-/// A floating-point operator in hardware.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum OperatorCore {
-    /// Sum and difference: `fp_add`.
-    Add,
-    /// Product: `fp_mul`.
-    Multiply,
-    /// Quotient: `fp_div`.
-    Divide,
-    /// Square root: `fp_sqrt`.
-    Root,
-    /// Product and sum, rounded once: `fp_fma`.
-    Fused,
+robovec_num::named! {
+    /// A floating-point operator in hardware.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+    pub enum OperatorCore {
+        /// Sum and difference: `fp_add`.
+        Add = "fp_add",
+        /// Product: `fp_mul`.
+        Multiply = "fp_mul",
+        /// Quotient: `fp_div`.
+        Divide = "fp_div",
+        /// Square root: `fp_sqrt`.
+        Root = "fp_sqrt",
+        /// Product and sum, rounded once: `fp_fma`.
+        Fused = "fp_fma",
+    }
 }
 
 /// The files of all operators, in alphabetic order, each named as its only
@@ -51,15 +53,6 @@ pub const SOURCES: [(&str, &str); 12] = hdl![
 ];
 
 impl OperatorCore {
-    /// All operators.
-    pub const ALL: [OperatorCore; 5] = [
-        OperatorCore::Add,
-        OperatorCore::Multiply,
-        OperatorCore::Divide,
-        OperatorCore::Root,
-        OperatorCore::Fused,
-    ];
-
     /// The operator that performs an operation, if hardware does: sine and
     /// cosine are the host's.
     pub fn of(operation: Operation) -> Option<OperatorCore> {
@@ -70,17 +63,6 @@ impl OperatorCore {
             Operation::Sqrt => Some(OperatorCore::Root),
             Operation::Fma | Operation::Fms | Operation::Fnma => Some(OperatorCore::Fused),
             Operation::Copy | Operation::Neg | Operation::Sin | Operation::Cos => None,
-        }
-    }
-
-    /// The name of its Verilog module.
-    pub fn module(self) -> &'static str {
-        match self {
-            OperatorCore::Add => "fp_add",
-            OperatorCore::Multiply => "fp_mul",
-            OperatorCore::Divide => "fp_div",
-            OperatorCore::Root => "fp_sqrt",
-            OperatorCore::Fused => "fp_fma",
         }
     }
 
