@@ -15,8 +15,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Real,
-    requires: [],
-    sets: [],
     destroys: [Timed, ZeroFree, Shared, Live],
 }
 

@@ -18,9 +18,7 @@ declare_pass! {
     takes: [Atomic, Scheduled, Placed],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
     sets: [Timed],
-    destroys: [],
 }
 
 impl Pass for AsapAlap {

@@ -18,8 +18,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Level(Level::Atomic),
     class: Exact,
-    requires: [],
-    sets: [],
     destroys: [Timed, ZeroFree],
 }
 

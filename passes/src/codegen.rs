@@ -181,9 +181,6 @@ declare_pass! {
     takes: [Equations, Atomic, Scheduled, Placed],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
-    sets: [],
-    destroys: [],
 }
 
 impl Pass for Codegen {

@@ -26,7 +26,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
     sets: [Shared],
     destroys: [Timed],
 }

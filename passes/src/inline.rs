@@ -33,8 +33,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Level(Level::Equations),
     class: Exact,
-    requires: [],
-    sets: [],
     destroys: [Timed],
 }
 

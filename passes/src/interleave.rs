@@ -45,8 +45,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
-    sets: [],
     destroys: [Timed, Shared],
 }
 

@@ -99,8 +99,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Level(Level::Atomic),
     class: RealTrig,
-    requires: [],
-    sets: [],
     destroys: [Timed],
 }
 

@@ -56,8 +56,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Level(Level::Atomic),
     class: Real,
-    requires: [],
-    sets: [],
     destroys: [Timed],
 }
 

@@ -18,8 +18,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Same,
     class: Real,
-    requires: [],
-    sets: [],
     destroys: [Timed],
 }
 

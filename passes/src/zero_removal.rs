@@ -19,7 +19,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
     sets: [ZeroFree],
     destroys: [Timed],
 }

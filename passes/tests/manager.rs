@@ -14,9 +14,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Real,
-    requires: [],
-    sets: [],
-    destroys: [],
 }
 
 impl Pass for Wrong {
@@ -39,9 +36,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
-    sets: [],
-    destroys: [],
 }
 
 impl Pass for Malformed {
@@ -59,8 +53,6 @@ declare_pass! {
     gives: Gives::Same,
     class: Exact,
     requires: [Timed],
-    sets: [],
-    destroys: [],
 }
 
 impl Pass for Timely {

@@ -24,9 +24,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Same,
     class: Real,
-    requires: [],
-    sets: [],
-    destroys: [],
 }
 
 impl Pass for Exchange {
@@ -59,9 +56,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
-    sets: [],
-    destroys: [],
 }
 
 impl Pass for Fragile {
@@ -86,9 +80,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
-    sets: [],
-    destroys: [],
 }
 
 impl Pass for Unname {

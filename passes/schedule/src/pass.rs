@@ -61,9 +61,6 @@ declare_pass! {
     takes: [Atomic, Scheduled, Placed],
     gives: Gives::Level(Level::Placed),
     class: Exact,
-    requires: [],
-    sets: [],
-    destroys: [],
 }
 
 /// For each option that sets a number of elements: its name, the kind of

@@ -64,8 +64,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: RealTrig,
-    requires: [],
-    sets: [],
     destroys: [Timed, ZeroFree],
 }
 

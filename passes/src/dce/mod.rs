@@ -35,7 +35,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
     sets: [Live],
     destroys: [Timed],
 }

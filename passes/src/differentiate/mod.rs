@@ -58,8 +58,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Real,
-    requires: [],
-    sets: [],
     destroys: [Timed, ZeroFree, Shared, Live],
 }
 

@@ -73,8 +73,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Real,
-    requires: [],
-    sets: [],
     destroys: [Timed],
 }
 

@@ -62,83 +62,6 @@ const SEED: NumberLimit = NumberLimit::whole(0, u32::MAX as u64, "a seed costs n
 /// Limit of the option `cycles`.
 const CYCLES: NumberLimit = NumberLimit::whole(0, 1_000_000_000, "no function takes more cycles");
 
-declare_pass! {
-    /// Computes equal values once, takes common factors out, shares parts.
-    ///
-    /// Values are identified by their residues at random points of two prime
-    /// fields, so equal values are found in any form. A value that is zero, or
-    /// the negation or a copy of another value, is not computed. Then pairs of
-    /// terms or factors that several sums or products have in common become
-    /// separate values, and `a*b + a*c` becomes `a*(b + c)`, where that saves
-    /// operations: the pairs that save most first (Hosangadi, Fallah and
-    /// Kastner, 2006), in rounds until there is no gain.
-    ///
-    /// Fused operations are taken apart; `fma` makes them again.
-    pub struct Factor("factor") {
-        /// With `keep` nothing is rewritten that would lengthen the longest
-        /// path of the balanced function.
-        pub path: PathChoice = PathChoice::Keep,
-        /// Largest number of rounds; a round that gains nothing is the last.
-        pub rounds: u32 = 8 => NumberLimit::whole(
-            0, 64, "every round looks for factors in the whole function"),
-        /// Sums and products are read as polynomials, and all of them together
-        /// are written by Horner's scheme with a common order of variables,
-        /// before factors are taken out; what came in stays where that does
-        /// not save operations.
-        pub horner: HornerChoice = HornerChoice::None,
-        /// Millions of terms that the search reads.
-        pub work: u32 = 50 => WORK,
-        /// Orders of which the factors are taken out; the best one stays.
-        pub orders: u32 = 8 => ORDERS,
-        /// The seed of the search.
-        pub seed: u32 = 1 => SEED,
-        /// The longest path allowed, in cycles, instead of `path`; 0 leaves it
-        /// to `path`.
-        pub cycles: u32 = 0 => CYCLES,
-    }
-    takes: [Atomic],
-    gives: Gives::Same,
-    class: Real,
-    requires: [],
-    sets: [],
-    destroys: [Timed, ZeroFree],
-}
-
-declare_pass! {
-    /// As `factor`, but also uses sin^2 + cos^2 = 1.
-    ///
-    /// The pass does the same as `factor`, with every sine and cosine on the
-    /// unit circle.
-    pub struct FactorTrig("factor-trig") {
-        /// With `keep` nothing is rewritten that would lengthen the longest
-        /// path of the balanced function.
-        pub path: PathChoice = PathChoice::Keep,
-        /// Largest number of rounds; a round that gains nothing is the last.
-        pub rounds: u32 = 8 => NumberLimit::whole(
-            0, 64, "every round looks for factors in the whole function"),
-        /// Sums and products are read as polynomials, and all of them together
-        /// are written by Horner's scheme with a common order of variables,
-        /// before factors are taken out; what came in stays where that does
-        /// not save operations.
-        pub horner: HornerChoice = HornerChoice::None,
-        /// Millions of terms that the search reads.
-        pub work: u32 = 50 => WORK,
-        /// Orders of which the factors are taken out; the best one stays.
-        pub orders: u32 = 8 => ORDERS,
-        /// The seed of the search.
-        pub seed: u32 = 1 => SEED,
-        /// The longest path allowed, in cycles, instead of `path`; 0 leaves it
-        /// to `path`.
-        pub cycles: u32 = 0 => CYCLES,
-    }
-    takes: [Atomic],
-    gives: Gives::Same,
-    class: RealTrig,
-    requires: [],
-    sets: [],
-    destroys: [Timed, ZeroFree],
-}
-
 /// The options of both passes.
 struct FactorOptions {
     circle: bool,
@@ -150,7 +73,37 @@ struct FactorOptions {
 }
 
 macro_rules! factor_pass {
-    ($pass:ident, $circle:expr) => {
+    ($(#[doc = $documentation:expr])* $pass:ident($name:literal), $class:ident, $circle:expr) => {
+        declare_pass! {
+            $(#[doc = $documentation])*
+            pub struct $pass($name) {
+                /// With `keep` nothing is rewritten that would lengthen the longest
+                /// path of the balanced function.
+                pub path: PathChoice = PathChoice::Keep,
+                /// Largest number of rounds; a round that gains nothing is the last.
+                pub rounds: u32 = 8 => NumberLimit::whole(
+                    0, 64, "every round looks for factors in the whole function"),
+                /// Sums and products are read as polynomials, and all of them together
+                /// are written by Horner's scheme with a common order of variables,
+                /// before factors are taken out; what came in stays where that does
+                /// not save operations.
+                pub horner: HornerChoice = HornerChoice::None,
+                /// Millions of terms that the search reads.
+                pub work: u32 = 50 => WORK,
+                /// Orders of which the factors are taken out; the best one stays.
+                pub orders: u32 = 8 => ORDERS,
+                /// The seed of the search.
+                pub seed: u32 = 1 => SEED,
+                /// The longest path allowed, in cycles, instead of `path`; 0 leaves it
+                /// to `path`.
+                pub cycles: u32 = 0 => CYCLES,
+            }
+            takes: [Atomic],
+            gives: Gives::Same,
+            class: $class,
+            destroys: [Timed, ZeroFree],
+        }
+
         impl Pass for $pass {
             fn run(
                 &self,
@@ -180,8 +133,28 @@ macro_rules! factor_pass {
     };
 }
 
-factor_pass!(Factor, false);
-factor_pass!(FactorTrig, true);
+factor_pass! {
+    /// Computes equal values once, takes common factors out, shares parts.
+    ///
+    /// Values are identified by their residues at random points of two prime
+    /// fields, so equal values are found in any form. A value that is zero, or
+    /// the negation or a copy of another value, is not computed. Then pairs of
+    /// terms or factors that several sums or products have in common become
+    /// separate values, and `a*b + a*c` becomes `a*(b + c)`, where that saves
+    /// operations: the pairs that save most first (Hosangadi, Fallah and
+    /// Kastner, 2006), in rounds until there is no gain.
+    ///
+    /// Fused operations are taken apart; `fma` makes them again.
+    Factor("factor"), Real, false
+}
+
+factor_pass! {
+    /// As `factor`, but also uses sin^2 + cos^2 = 1.
+    ///
+    /// The pass does the same as `factor`, with every sine and cosine on the
+    /// unit circle.
+    FactorTrig("factor-trig"), RealTrig, true
+}
 
 fn rewrite(function: &mut Function, context: &mut Context<'_>, options: &FactorOptions) {
     let weights = Weights::cycles(context.machine);

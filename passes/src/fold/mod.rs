@@ -30,8 +30,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Exact,
-    requires: [],
-    sets: [],
     destroys: [Timed],
 }
 

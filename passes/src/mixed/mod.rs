@@ -86,9 +86,6 @@ declare_pass! {
     takes: [Atomic],
     gives: Gives::Same,
     class: Approximating,
-    requires: [],
-    sets: [],
-    destroys: [],
 }
 
 /// The numbers of the first states for choosing and for checking.

@@ -109,8 +109,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Level(robovec_ir::Level::Atomic),
     class: RealTrig,
-    requires: [],
-    sets: [],
     destroys: [Timed],
 }
 

@@ -52,7 +52,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Same,
     class: Real,
-    requires: [],
     sets: [Live],
     destroys: [Timed],
 }

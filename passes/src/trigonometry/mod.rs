@@ -109,8 +109,6 @@ declare_pass! {
     takes: [Equations, Atomic],
     gives: Gives::Same,
     class: Approximating,
-    requires: [],
-    sets: [],
     destroys: [Timed, ZeroFree, Shared, Live],
 }
 

@@ -5,8 +5,8 @@
 /// the registry. The doc comment is the pass's page in the manual; its first
 /// line is the one-line description. A field that is a number gives its range
 /// after `=>`: `pub rounds: u32 = 6 => NumberLimit::whole(0, 64, "every round
-/// takes as long as the first")`. Levels, properties and class are the fields
-/// of [`PassInfo`](crate::pass::PassInfo).
+/// takes as long as the first")`. Levels, class and properties are the fields
+/// of [`PassInfo`](crate::pass::PassInfo); lists of properties may be omitted.
 #[macro_export]
 macro_rules! declare_pass {
     (
@@ -17,9 +17,9 @@ macro_rules! declare_pass {
         takes: [$($takes:ident),+],
         gives: $gives:expr,
         class: $class:ident,
-        requires: [$($requires:ident),*],
-        sets: [$($sets:ident),*],
-        destroys: [$($destroys:ident),*] $(,)?
+        $(requires: [$($requires:ident),+],)?
+        $(sets: [$($sets:ident),+],)?
+        $(destroys: [$($destroys:ident),+],)?
     ) => {
         $(#[doc = $documentation])*
         #[derive(Clone, PartialEq, Debug)]
@@ -57,9 +57,9 @@ macro_rules! declare_pass {
                 takes: &[$(robovec_ir::Level::$takes),+],
                 gives: $gives,
                 class: $crate::NumericClass::$class,
-                requires: &[$($crate::pass::Property::$requires),*],
-                sets: &[$($crate::pass::Property::$sets),*],
-                destroys: &[$($crate::pass::Property::$destroys),*],
+                requires: &[$($($crate::pass::Property::$requires),+)?],
+                sets: &[$($($crate::pass::Property::$sets),+)?],
+                destroys: &[$($($crate::pass::Property::$destroys),+)?],
                 build: $pass::build,
             };
 
