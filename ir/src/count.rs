@@ -8,9 +8,10 @@
 use crate::entity::Operand;
 use crate::function::{Assignment, Function, Level};
 use robovec_num::operation::Operation;
+use serde::Serialize;
 
 /// The numbers of a function's operations.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
 pub struct Counts {
     /// Assignments: named values and output elements. An output element that
     /// is one and the same equation as the value it takes counts once.
@@ -27,6 +28,7 @@ pub struct Counts {
     /// Square roots.
     pub sqrt: usize,
     /// Fused multiply-adds, each one operation.
+    #[serde(skip)]
     pub fused: usize,
     /// Sines and cosines.
     pub sin_cos: usize,

@@ -22,6 +22,7 @@ use super::accuracy::samples;
 use robovec_ir::View;
 use robovec_ir::states::States;
 use robovec_num::format::Format;
+use serde::Serialize;
 use std::cmp::Ordering;
 use std::fmt;
 use std::ops::Range;
@@ -46,7 +47,7 @@ const MAX_STATES: usize = 256;
 
 /// Three places in a distribution of errors, in units of [`UNIT`]; NaN where
 /// nothing has such an error.
-#[derive(Clone, Copy, PartialEq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Default, Debug, Serialize)]
 pub struct Quantiles {
     /// Half of the errors are at or below it.
     pub median: f64,

@@ -1,7 +1,9 @@
 //! A few places in a distribution of errors.
 
+use serde::Serialize;
+
 /// The spread of the errors of one thing over all states.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct StateSpread {
     /// Half of the states are at or below it.
     pub median: f64,

@@ -37,7 +37,7 @@ pub struct MatrixReport {
     /// The array's name.
     pub name: String,
     /// Its condition number in the 2-norm.
-    pub condition: SpreadReport,
+    pub condition: StateSpread,
 }
 
 /// Rounding errors in one number format.
@@ -47,9 +47,9 @@ pub struct FormatReport {
     #[serde(flatten)]
     pub summary: SummaryReport,
     /// All outputs in all states as one population, relative to the element.
-    pub relative: SpreadReport,
+    pub relative: StateSpread,
     /// The same, relative to the element and its sensitivity.
-    pub mixed: SpreadReport,
+    pub mixed: StateSpread,
     /// The share of computed outputs below the normal numbers of the format.
     pub subnormal: f64,
     /// The share of results that are not finite although the exact value is.
@@ -64,11 +64,11 @@ pub struct ArrayReport {
     /// The array's name.
     pub name: String,
     /// Largest error over largest element.
-    pub normwise: SpreadReport,
+    pub normwise: StateSpread,
     /// Largest relative error of an element.
-    pub componentwise: SpreadReport,
+    pub componentwise: StateSpread,
     /// Largest mixed error of an element.
-    pub mixed: SpreadReport,
+    pub mixed: StateSpread,
     /// Its elements, in order.
     pub elements: Vec<ElementReport>,
 }
@@ -79,15 +79,15 @@ pub struct ElementReport {
     /// The element (`M[1,2]`).
     pub name: String,
     /// In the element's own unit.
-    pub absolute: SpreadReport,
+    pub absolute: StateSpread,
     /// Relative to the exact value.
-    pub relative: SpreadReport,
+    pub relative: StateSpread,
     /// In units in the last place of the exact value.
-    pub ulps: SpreadReport,
+    pub ulps: StateSpread,
     /// Number of wrong bits.
-    pub bits: SpreadReport,
+    pub bits: StateSpread,
     /// Error relative to the exact value and its sensitivity.
-    pub mixed: SpreadReport,
+    pub mixed: StateSpread,
     /// The state with the largest relative error, counted from 0.
     pub worst_state: u32,
     /// Number of states in which the element is zero except for rounding and
@@ -107,30 +107,6 @@ pub struct ElementReport {
     pub judgement: Option<&'static str>,
 }
 
-/// Median and worst case over the states.
-#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
-pub struct SpreadReport {
-    /// Half of the states are at or below it.
-    pub median: f64,
-    /// 99 of 100 states are at or below it.
-    pub percentile_99: f64,
-    /// The largest.
-    pub worst: f64,
-    /// The state it was found in, counted from 0.
-    pub worst_state: u32,
-}
-
-impl From<StateSpread> for SpreadReport {
-    fn from(spread: StateSpread) -> SpreadReport {
-        SpreadReport {
-            median: spread.median,
-            percentile_99: spread.percentile_99,
-            worst: spread.worst,
-            worst_state: spread.worst_state,
-        }
-    }
-}
-
 impl ErrorReport {
     pub(super) fn new(view: View<'_>, options: &ReportOptions) -> ErrorReport {
         let formats = [Format::BINARY32, Format::BINARY64];
@@ -142,7 +118,7 @@ impl ErrorReport {
         let proved = certainty.double_double + certainty.precise + certainty.zero;
         let matrix = |matrix: &MatrixCondition| MatrixReport {
             name: array_name(view, matrix.array),
-            condition: matrix.condition.into(),
+            condition: matrix.condition,
         };
         ErrorReport {
             reference: accuracy.effort.to_string(),
@@ -177,11 +153,11 @@ impl FormatReport {
         let outputs = view.function.outputs();
         let element = |element: &ElementError| ElementReport {
             name: print_output(view, element.output),
-            absolute: element.absolute.into(),
-            relative: element.relative.into(),
-            ulps: element.ulps.into(),
-            bits: element.ulps.bits().into(),
-            mixed: element.mixed.into(),
+            absolute: element.absolute,
+            relative: element.relative,
+            ulps: element.ulps,
+            bits: element.ulps.bits(),
+            mixed: element.mixed,
             worst_state: element.worst_state,
             vanishing: element.vanishing,
             subnormal: element.subnormal,
@@ -207,16 +183,16 @@ impl FormatReport {
                 .partition_point(|element| element.output.0 < range.end);
             arrays.push(ArrayReport {
                 name: array_name(view, array.array),
-                normwise: array.normwise.into(),
-                componentwise: array.componentwise.into(),
-                mixed: array.mixed.into(),
+                normwise: array.normwise,
+                componentwise: array.componentwise,
+                mixed: array.mixed,
                 elements: accuracy.elements[first..past].iter().map(element).collect(),
             });
         }
         FormatReport {
             summary: SummaryReport::new(&accuracy.summary(), view),
-            relative: accuracy.relative.into(),
-            mixed: accuracy.mixed.into(),
+            relative: accuracy.relative,
+            mixed: accuracy.mixed,
             subnormal: accuracy.subnormal,
             overflowed: accuracy.overflowed,
             arrays,

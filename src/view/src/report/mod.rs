@@ -11,9 +11,7 @@ mod rounding;
 mod schedule;
 mod text;
 
-pub use error::{
-    ArrayReport, ElementReport, ErrorReport, FormatReport, MatrixReport, SpreadReport,
-};
+pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, MatrixReport};
 pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 
 use robovec_analysis::critical_path::critical_path;
@@ -25,7 +23,7 @@ use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_present::json::json_text;
-pub use rounding::{QuantilesReport, RoundingReport};
+pub use rounding::RoundingReport;
 pub use schedule::{ByKind, KindReport, ScheduleReport, TransferReport};
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
@@ -136,25 +134,9 @@ pub struct FunctionReport {
     /// The level it was lowered to.
     #[serde(serialize_with = "level_name")]
     pub level: Level,
-    /// Assignments: named values and output elements.
-    pub equations: usize,
-    /// Everything but sines, cosines and copies.
-    pub operations: usize,
-    /// Additions and subtractions; below the equations level minus signs are
-    /// among them, as `0 - x`.
-    pub add_sub: usize,
-    /// Multiplications.
-    pub mul: usize,
-    /// Divisions.
-    pub div: usize,
-    /// Square roots.
-    pub sqrt: usize,
-    /// Sines and cosines.
-    pub sin_cos: usize,
-    /// Minus signs.
-    pub negations: usize,
-    /// Groups of equations that depend only on those before them.
-    pub vectors: usize,
+    /// The numbers of its operations.
+    #[serde(flatten)]
+    pub counts: Counts,
     /// The longest chain, in operations.
     pub asap: u32,
     /// The longest chain, in cycles of the machine.
@@ -226,15 +208,7 @@ impl FunctionReport {
             name: function.name.clone(),
             model: function.metadata("model").map(str::to_owned),
             level: function.level,
-            equations: counts.equations,
-            operations: counts.operations,
-            add_sub: counts.add_sub,
-            mul: counts.mul,
-            div: counts.div,
-            sqrt: counts.sqrt,
-            sin_cos: counts.sin_cos,
-            negations: counts.negations,
-            vectors: counts.vectors,
+            counts,
             asap: path.asap,
             asap_cycle: path.asap_cycle,
             number_y: (path.asap_cycle > 0)

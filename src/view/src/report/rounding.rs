@@ -24,9 +24,9 @@ pub struct RoundingReport {
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct BeforeAfter {
     /// Before the pass.
-    pub before: QuantilesReport,
+    pub before: Quantiles,
     /// After it.
-    pub after: QuantilesReport,
+    pub after: Quantiles,
     /// The median after the pass over that before.
     pub ratio: f64,
     /// The standard error of the ratio, as a part of the ratio.
@@ -37,32 +37,11 @@ pub struct BeforeAfter {
     pub(super) change: MedianChange,
 }
 
-/// Three places in a distribution, in units of rounding.
-#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
-pub struct QuantilesReport {
-    /// Half of the errors are at or below it.
-    pub median: f64,
-    /// 99 of 100 errors are at or below it.
-    pub percentile_99: f64,
-    /// The largest.
-    pub worst: f64,
-}
-
-impl From<Quantiles> for QuantilesReport {
-    fn from(quantiles: Quantiles) -> QuantilesReport {
-        QuantilesReport {
-            median: quantiles.median,
-            percentile_99: quantiles.percentile_99,
-            worst: quantiles.worst,
-        }
-    }
-}
-
 impl RoundingReport {
     pub(super) fn new([before, after]: &[Arc<RoundingErrors>; 2]) -> RoundingReport {
         let both = |pick: fn(&RoundingErrors) -> Quantiles, change: MedianChange| BeforeAfter {
-            before: pick(before).into(),
-            after: pick(after).into(),
+            before: pick(before),
+            after: pick(after),
             ratio: change.ratio,
             noise: change.noise,
             trend: change.trend.name(),

@@ -4,9 +4,10 @@ mod chart;
 
 use super::error::{ArrayReport, ElementReport, FormatReport, MatrixReport};
 use super::records::{CheckErrors, CheckReport, PassReport};
-use super::rounding::{QuantilesReport, RoundingReport};
+use super::rounding::RoundingReport;
 use super::schedule::{ByKind, ScheduleReport, TransferReport};
 use super::{FunctionReport, ModuleReport};
+use robovec_analysis::rounding::Quantiles;
 use robovec_error::errors::{heat_text, heat_title};
 use robovec_ir::Level;
 use robovec_ir::diagnostic::counted;
@@ -64,17 +65,17 @@ fn section(title: &str, body: &str, text: &mut String) {
 
 fn counts(function: &FunctionReport, text: &mut String) {
     let mut parts = vec![
-        (function.add_sub, "add or subtract"),
-        (function.mul, "multiply"),
-        (function.div, "divide"),
-        (function.sqrt, "take a root"),
+        (function.counts.add_sub, "add or subtract"),
+        (function.counts.mul, "multiply"),
+        (function.counts.div, "divide"),
+        (function.counts.sqrt, "take a root"),
     ];
     // Below the equations level a minus is a subtraction from zero.
     let mut detail = String::new();
     match function.level {
-        Level::Equations => parts.push((function.negations, "change the sign")),
-        _ if function.negations > 0 => {
-            detail = format!("; as 0 - x: {}", function.negations);
+        Level::Equations => parts.push((function.counts.negations, "change the sign")),
+        _ if function.counts.negations > 0 => {
+            detail = format!("; as 0 - x: {}", function.counts.negations);
         }
         _ => {}
     }
@@ -87,20 +88,20 @@ fn counts(function: &FunctionReport, text: &mut String) {
     let mut rows = vec![
         vec![
             "equations".to_owned(),
-            function.equations.to_string(),
+            function.counts.equations.to_string(),
             format!(
                 "in {} of independent ones",
-                counted(function.vectors, "vector")
+                counted(function.counts.vectors, "vector")
             ),
         ],
         vec![
             "operations".to_owned(),
-            function.operations.to_string(),
+            function.counts.operations.to_string(),
             detail,
         ],
         vec![
             "sin, cos".to_owned(),
-            function.sin_cos.to_string(),
+            function.counts.sin_cos.to_string(),
             "on the host, not counted as operations".to_owned(),
         ],
         vec![
@@ -178,7 +179,7 @@ fn pass_errors(function: &FunctionReport, text: &mut String) {
         .passes
         .iter()
         .filter_map(|pass| Some((pass, pass.rounding.as_ref()?)));
-    let row = |name: &str, pick: [&QuantilesReport; 2], verdict: String| {
+    let row = |name: &str, pick: [&Quantiles; 2], verdict: String| {
         let mut row = vec![name.to_owned()];
         for quantiles in pick {
             let numbers = [quantiles.median, quantiles.percentile_99, quantiles.worst];
