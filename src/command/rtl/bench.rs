@@ -2,7 +2,7 @@
 
 use crate::command::flags::{NUMBER, SEED, whole};
 use crate::command::{CommandFailure, input};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use robovec_framework::scene::Scene;
 use robovec_hardware::rtl::{CheckFailure, Checked, Door, HardwareSimulator, bench_files, check};
 use robovec_io::process::ToolError;
@@ -15,11 +15,11 @@ use std::path::Path;
 pub(super) struct RtlBenchArguments {
     /// Build the test benches and run them with this simulator
     #[arg(long, value_enum, value_name = "TOOL")]
-    check: Option<SimulatorChoice>,
+    check: Option<HardwareSimulator>,
     /// Interfaces of the machine to test; by default all that the simulator
     /// supports
     #[arg(long, value_enum, value_name = "WAYS", value_delimiter = ',')]
-    through: Vec<DoorChoice>,
+    through: Vec<Door>,
     /// Number of states on which the test benches run the program
     #[arg(long, value_name = "COUNT", default_value_t = 3, add = whole(1, 1000, "test test \
      benches hold all states, and run the program on each"))]
@@ -36,51 +36,6 @@ pub(super) struct RtlBenchArguments {
         add = NUMBER
     )]
     inputs: Vec<f64>,
-}
-
-/// A simulator of hardware.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum SimulatorChoice {
-    /// Icarus Verilog, with the bench in plain Verilog
-    Iverilog,
-    /// Verilator, with the bench in C++
-    Verilator,
-    /// Verilator, with the bench in plain Verilog
-    VerilogVerilator,
-}
-
-/// A way into the machine.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum DoorChoice {
-    /// The machine's own host bus
-    Bus,
-    /// Avalon-MM
-    Avalon,
-    /// AXI4-Lite
-    Axi4lite,
-    /// The host bus, with the images loaded by the configuration (iverilog)
-    Configured,
-}
-
-impl From<DoorChoice> for Door {
-    fn from(way: DoorChoice) -> Door {
-        match way {
-            DoorChoice::Bus => Door::Bus,
-            DoorChoice::Avalon => Door::Avalon,
-            DoorChoice::Axi4lite => Door::Axi4Lite,
-            DoorChoice::Configured => Door::Configured,
-        }
-    }
-}
-
-impl From<SimulatorChoice> for HardwareSimulator {
-    fn from(simulator: SimulatorChoice) -> HardwareSimulator {
-        match simulator {
-            SimulatorChoice::Iverilog => HardwareSimulator::Icarus,
-            SimulatorChoice::Verilator => HardwareSimulator::Verilator,
-            SimulatorChoice::VerilogVerilator => HardwareSimulator::VerilatorVerilog,
-        }
-    }
 }
 
 /// The files of `tb/` for the images of a program, each with its folder.
@@ -115,8 +70,7 @@ pub(super) fn benches(
 
 /// An error when the simulator that is requested is not installed.
 pub(super) fn require_simulator(arguments: &RtlBenchArguments) -> Result<(), CommandFailure> {
-    let simulator = arguments.check.map(HardwareSimulator::from);
-    match simulator.and_then(HardwareSimulator::missing) {
+    match arguments.check.and_then(HardwareSimulator::missing) {
         Some(program) => Err(failure(&CheckFailure::Missing(program))),
         None => Ok(()),
     }
@@ -130,7 +84,7 @@ pub(super) fn checked(
     folder: &Path,
     hardware: &Path,
 ) -> Result<String, CommandFailure> {
-    let Some(simulator) = arguments.check else {
+    let Some(tool) = arguments.check else {
         return Ok(String::new());
     };
     // What '--fits' names may also be the description among the files.
@@ -140,8 +94,7 @@ pub(super) fn checked(
         (false, true) => hardware.to_owned(),
         (false, false) => input::folder(hardware).to_owned(),
     };
-    let tool = HardwareSimulator::from(simulator);
-    let mut doors: Vec<Door> = arguments.through.iter().map(|&way| way.into()).collect();
+    let mut doors = arguments.through.clone();
     // The configuration of hardware that was there has its own images.
     let is_configured = folder.join("rtl").is_dir();
     if doors.is_empty() {

@@ -6,39 +6,31 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// A simulator of hardware.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 pub enum HardwareSimulator {
     /// Icarus Verilog, with the bench in plain Verilog.
+    #[value(name = "iverilog")]
     Icarus,
     /// Verilator, with the bench in C++.
     Verilator,
     /// Verilator, with the bench in plain Verilog.
+    #[value(name = "verilog-verilator")]
     VerilatorVerilog,
 }
 
-/// A way into the machine.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Door {
-    /// The machine's own host bus.
-    Bus,
-    /// The Avalon-MM agent.
-    Avalon,
-    /// The AXI4-Lite subordinate.
-    Axi4Lite,
-    /// The machine's own host bus, the images being there from configuration
-    /// on; with [`HardwareSimulator::Icarus`] only.
-    Configured,
-}
-
-impl Door {
-    /// Its name for the scripts.
-    pub fn name(self) -> &'static str {
-        match self {
-            Door::Bus => "bus",
-            Door::Avalon => "avalon",
-            Door::Axi4Lite => "axi4lite",
-            Door::Configured => "configured",
-        }
+robovec_num::named! {
+    /// A way into the machine.
+    #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
+    pub enum Door {
+        /// The machine's own host bus.
+        Bus = "bus",
+        /// Avalon-MM.
+        Avalon = "avalon",
+        /// AXI4-Lite.
+        #[value(name = "axi4lite")]
+        Axi4Lite = "axi4lite",
+        /// The host bus, with the images loaded by the configuration (iverilog).
+        Configured = "configured",
     }
 }
 
