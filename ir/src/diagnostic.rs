@@ -253,6 +253,11 @@ fn boundary_after(text: &str, byte: usize) -> usize {
     byte
 }
 
+/// The question whether the candidate of [`did_you_mean`] is meant.
+pub fn suggestion<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    did_you_mean(word, candidates).map(|near| format!("did you mean '{near}'?"))
+}
+
 /// The candidate nearest to a misspelt word, when one is near enough to be
 /// meant: at most a third of the letters differ (two neighbours exchanged
 /// count once). Of equally near ones the first. Candidates of very different

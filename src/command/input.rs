@@ -14,7 +14,7 @@ use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::files::limited::{self, FileLimit};
 use robovec_io::sources::{self, EquationLanguage, ReadEquations};
-use robovec_ir::diagnostic::{Diagnostic, Label, Report, clip, did_you_mean};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, clip, suggestion};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, Operation};
 use robovec_model::mbs::ReadModel;
@@ -159,7 +159,7 @@ pub(crate) fn drive(model: &mut Model, names: &[String]) -> Result<Vec<usize>, C
     for name in names {
         let Some(place) = model.joints.iter().position(|joint| joint.name == *name) else {
             let known = model.joints.iter().map(|joint| joint.name.as_str());
-            let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
+            let near = suggestion(name, known);
             let message = format!("the model has no joint '{}'", clip(name));
             return Err(CommandFailure::advised(message, near.into_iter().collect()));
         };

@@ -2,7 +2,7 @@
 
 use super::CommandFailure;
 use robovec_framework::pass::{Gives, PassInfo, Property};
-use robovec_ir::diagnostic::did_you_mean;
+use robovec_ir::diagnostic::suggestion;
 use robovec_ir::{Machine, machine};
 use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
@@ -38,8 +38,7 @@ pub(crate) fn passes() -> String {
 pub(crate) fn pass(name: &str) -> Result<String, CommandFailure> {
     let Some(info) = REGISTRY.find(name) else {
         let names: Vec<&str> = REGISTRY.passes.iter().map(|info| info.name).collect();
-        let mut notes: Vec<String> = did_you_mean(name, names.iter().copied())
-            .map(|near| format!("did you mean '{near}'?"))
+        let mut notes: Vec<String> = suggestion(name, names.iter().copied())
             .into_iter()
             .collect();
         notes.push(format!("passes: {}", names.join(", ")));

@@ -7,7 +7,7 @@ use clap::Args;
 use robovec_dynamics::generate::Options;
 use robovec_dynamics::stale;
 use robovec_io::files::Replace;
-use robovec_ir::diagnostic::{Diagnostic, Label, Report, Severity, did_you_mean};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, Severity, suggestion};
 use robovec_model::Model;
 use robovec_model::family::{self, ModelFamily};
 use robovec_model::mbs::{unsayable, write_mbs};
@@ -153,9 +153,7 @@ fn unknown(name: &str) -> CommandFailure {
         .map(|family| family.name())
         .collect();
     let mut notes = Vec::new();
-    if let Some(near) = did_you_mean(name, names.iter().copied()) {
-        notes.push(format!("did you mean '{near}'?"));
-    }
+    notes.extend(suggestion(name, names.iter().copied()));
     notes.push(format!(
         "families: {}; or a .mbs, .urdf or .xml file",
         names.join(", ")

@@ -5,7 +5,7 @@ use super::{CommandFailure, input, opt, output, progress, telling};
 use clap::Args;
 use rayon::prelude::*;
 use robovec_io::sources;
-use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_ir::diagnostic::{clip, suggestion};
 use robovec_present::json::json_text;
 use robovec_present::text::{cut, headed, labelled};
 use robovec_robotran::FunctionKind;
@@ -136,7 +136,7 @@ fn chosen(arguments: &StressArguments) -> Result<Vec<StressCase>, CommandFailure
     for name in &arguments.case {
         if !cases.iter().any(|case| case.name == *name) {
             let known = cases.iter().map(|case| case.name.as_str());
-            let near = did_you_mean(name, known).map(|near| format!("did you mean '{near}'?"));
+            let near = suggestion(name, known);
             let mut notes: Vec<String> = near.into_iter().collect();
             notes.push("'robovec stress --list' prints all cases".to_owned());
             let message = format!("there is no case '{}'", clip(name));

@@ -6,7 +6,7 @@ use robovec_explore::study::ProgramSources;
 use robovec_explore::study::plan::StudySubject;
 use robovec_io::sources;
 use robovec_ir::Module;
-use robovec_ir::diagnostic::{Report, did_you_mean};
+use robovec_ir::diagnostic::{Report, suggestion};
 use robovec_model::Model;
 use robovec_model::family::{JOINTS, ModelFamily, built_in};
 use robovec_robotran::FunctionKind;
@@ -96,10 +96,8 @@ fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
     };
     let Some(kind) = kind else {
         let names = FunctionKind::ALL.map(FunctionKind::name);
-        let note = match did_you_mean(wanted, names.iter().copied()) {
-            Some(near) => format!("did you mean '{near}'?"),
-            None => format!("functions: {}", names.join(", ")),
-        };
+        let note = suggestion(wanted, names.iter().copied())
+            .unwrap_or_else(|| format!("functions: {}", names.join(", ")));
         let name = &subject.name;
         let message = format!("model '{name}': there is no function '{wanted}' to generate");
         return Err(CommandFailure::advised(message, vec![note]));
@@ -163,10 +161,8 @@ fn unknown(name: &str) -> CommandFailure {
             None => format!("{}-N", family.name()),
         })
         .collect();
-    let note = match did_you_mean(name, names.iter().map(String::as_str)) {
-        Some(near) => format!("did you mean '{near}'?"),
-        None => format!("models: {} with N joints, or a file", names.join(", ")),
-    };
+    let note = suggestion(name, names.iter().map(String::as_str))
+        .unwrap_or_else(|| format!("models: {} with N joints, or a file", names.join(", ")));
     CommandFailure::advised(
         format!("there is no file or built-in model '{name}'"),
         vec![note],

@@ -11,7 +11,7 @@ use hashbrown::HashMap;
 use lalrpop_util::ParseError;
 use robovec_analysis::class::NumericClass;
 use robovec_ir::Operation;
-use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use robovec_ir::diagnostic::{Diagnostic, Label, clip, suggestion};
 use robovec_num::decimal;
 use std::ops::Range;
 
@@ -215,8 +215,7 @@ impl<'text> RuleBuilder<'text> {
         names: &[&str],
         known: String,
     ) -> Told {
-        let near = did_you_mean(word, names.iter().copied());
-        let near = near.map(|near| format!("did you mean '{near}'?"));
+        let near = suggestion(word, names.iter().copied());
         let notes = near.into_iter().chain([known]).collect();
         let message = format!("there is no {what} '{}'", clip(word));
         self.advise(span, message, notes)

@@ -20,7 +20,7 @@ use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::sources::ReadEquations;
-use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_ir::diagnostic::{clip, suggestion};
 use robovec_ir::print::print_output;
 use robovec_ir::{Format, Machine, View};
 use series::SeriesArguments;
@@ -270,10 +270,8 @@ fn unknown(view: View<'_>, name: &str) -> CommandFailure {
     let arrays: Vec<&str> = arrays
         .map(|array| view.tables.symbols.text(array.name))
         .collect();
-    let note = match did_you_mean(name, arrays.iter().copied()) {
-        Some(near) => format!("did you mean '{near}'?"),
-        None => format!("outputs: {}", clip(&arrays.join(", "))),
-    };
+    let note = suggestion(name, arrays.iter().copied())
+        .unwrap_or_else(|| format!("outputs: {}", clip(&arrays.join(", "))));
     let message = format!("'{}' has no output '{}'", view.function.name, clip(name));
     CommandFailure::advised(message, vec![note])
 }

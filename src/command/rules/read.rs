@@ -4,7 +4,7 @@ use super::super::{CommandFailure, input};
 use super::list;
 use crate::command::emit;
 use robovec_io::files::limited;
-use robovec_ir::diagnostic::did_you_mean;
+use robovec_ir::diagnostic::suggestion;
 use robovec_rules::{BUILT_IN, RuleSet};
 use std::path::Path;
 
@@ -37,8 +37,7 @@ fn one(name: &str) -> Result<RuleSet, CommandFailure> {
     let path = Path::new(name);
     if path.extension().is_none() && name != "-" && !path.exists() {
         let names: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-        let mut notes: Vec<String> = did_you_mean(name, names.iter().copied())
-            .map(|near| format!("did you mean '{near}'?"))
+        let mut notes: Vec<String> = suggestion(name, names.iter().copied())
             .into_iter()
             .collect();
         notes.push(format!("rules: {}, or a .rules file", names.join(", ")));

@@ -7,7 +7,7 @@ use robovec_dynamics::fmu::Fmu;
 use robovec_dynamics::generate::{Options, fewest};
 use robovec_io::files::TemporaryFolder;
 use robovec_io::process::ProgramCall;
-use robovec_ir::diagnostic::{clip, counted, did_you_mean};
+use robovec_ir::diagnostic::{clip, counted, suggestion};
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use std::env::consts;
@@ -80,8 +80,7 @@ fn keep_frames(model: &mut Model, names: &[String]) -> Result<(), CommandFailure
         .iter()
         .find(|name| !known().any(|known| known == *name));
     if let Some(name) = missing {
-        let near = did_you_mean(name, known());
-        let notes = near.map(|near| format!("did you mean '{near}'?"));
+        let notes = suggestion(name, known());
         let error = format!("the model has no link '{}'", clip(name));
         return Err(CommandFailure::advised(error, notes.into_iter().collect()));
     }

@@ -16,7 +16,7 @@ mod ranges;
 mod terms;
 
 use self::core::{Core, cores};
-use robovec_ir::diagnostic::{Diagnostic, Report, clip, did_you_mean};
+use robovec_ir::diagnostic::{Diagnostic, Report, clip, suggestion};
 use robovec_ir::parenthesised;
 use robovec_ir::states::Ranges;
 use robovec_ir::verify::is_valid;
@@ -132,10 +132,8 @@ fn chosen<'c>(file: &str, cores: &'c [Core], wanted: Option<&str>) -> Result<&'c
             .iter()
             .find(|core| core.name == wanted)
             .ok_or_else(|| {
-                let note = match did_you_mean(wanted, names()) {
-                    Some(near) => format!("did you mean '{near}'?"),
-                    None => format!("cores: {}", listed(cores)),
-                };
+                let note = suggestion(wanted, names())
+                    .unwrap_or_else(|| format!("cores: {}", listed(cores)));
                 Report::error(
                     format!("{file} holds no core '{}'", clip(wanted)),
                     vec![note],

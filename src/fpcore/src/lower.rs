@@ -4,7 +4,7 @@ use super::core::{Core, TakenNames, named_format, rounds_to_nearest, unlike, wor
 use super::number::{CoreLiteral, literal};
 use super::terms::{Term, Terms};
 use super::{CoreProblems, ERROR_LIMIT};
-use robovec_ir::diagnostic::{Label, did_you_mean};
+use robovec_ir::diagnostic::{Label, did_you_mean, suggestion};
 use robovec_ir::parenthesised::{Forest, TreeKind, error};
 use robovec_ir::{Format, Function, Level, Operation, Shape, Symbol, Tables};
 use robovec_robotran::LineIndex;
@@ -224,8 +224,7 @@ impl<'text> CoreLowering<'_, 'text, '_> {
             }
             CoreLiteral::None => {
                 let known = self.scope.iter().filter(|(_, terms)| !terms.is_empty());
-                let near = did_you_mean(atom, known.map(|(name, _)| *name));
-                let help = near.map(|near| format!("did you mean '{near}'?"));
+                let help = suggestion(atom, known.map(|(name, _)| *name));
                 let message = "this is neither a number nor a variable".to_owned();
                 self.fail(tree, message, help.as_deref());
             }

@@ -5,7 +5,7 @@
 //! returned; the caller prints them.
 
 use crate::files::limited::{self, FileLimit};
-use robovec_ir::diagnostic::{Diagnostic, Label, Report, did_you_mean};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, suggestion};
 use robovec_ir::machine::{self, MachineError};
 use robovec_ir::states::Ranges;
 use robovec_ir::{Format, Machine, Module, parse};
@@ -286,8 +286,7 @@ pub fn machine(name: &str) -> Result<Machine, Report> {
     let path = Path::new(name);
     if path.extension().is_none() && !path.exists() {
         let names: Vec<&str> = machine::BUILT_IN.iter().map(|(name, _)| *name).collect();
-        let mut notes: Vec<String> = did_you_mean(name, names.iter().copied())
-            .map(|near| format!("did you mean '{near}'?"))
+        let mut notes: Vec<String> = suggestion(name, names.iter().copied())
             .into_iter()
             .collect();
         notes.push(format!("machines: {}, or a .toml file", names.join(", ")));

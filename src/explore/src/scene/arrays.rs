@@ -3,7 +3,7 @@
 
 use super::document::WordProblem;
 use robovec_framework::scene::{ElementPattern, IndexPattern};
-use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_ir::diagnostic::{clip, suggestion};
 use robovec_ir::{Module, Shape};
 use robovec_model::{CutKind, Model};
 
@@ -243,8 +243,7 @@ impl SceneArrays {
         };
         let found = names.list.iter().find(|(name, _)| name == word);
         found.map(|&(_, number)| number).ok_or_else(|| {
-            let near = did_you_mean(word, names.list.iter().map(|(name, _)| name.as_str()));
-            let near = near.map(|near| format!("did you mean '{near}'?"));
+            let near = suggestion(word, names.list.iter().map(|(name, _)| name.as_str()));
             WordProblem {
                 message: format!("the model has no {} '{}'", names.what, clip(word)),
                 notes: near.into_iter().collect(),

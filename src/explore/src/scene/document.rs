@@ -1,7 +1,7 @@
 //! A scene file as TOML with the place of every key and value, and the
 //! messages about it.
 
-use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
+use robovec_ir::diagnostic::{Diagnostic, Label, clip, suggestion};
 use robovec_num::decimal;
 use robovec_num::limits::{Amount, NumberLimit};
 use std::ops::Range;
@@ -28,8 +28,7 @@ pub(super) struct WordProblem {
 impl WordProblem {
     /// A word that is none of those allowed at its place.
     pub(super) fn unknown(what: &str, word: &str, known: &[&str]) -> WordProblem {
-        let near = did_you_mean(word, known.iter().copied());
-        let near = near.map(|near| format!("did you mean '{near}'?"));
+        let near = suggestion(word, known.iter().copied());
         let mut problem = WordProblem {
             message: format!("{what} '{}'", clip(word)),
             notes: near.into_iter().collect(),

@@ -4,7 +4,7 @@
 use super::fields::{ElementFields, Messages};
 pub(super) use crate::physics::body_title;
 use crate::{Anchor, Model};
-use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_ir::diagnostic::{clip, suggestion};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -79,10 +79,8 @@ fn unknown_body(
         return messages.count_error();
     }
     let names = model.bodies.iter().map(|body| body.name.as_str());
-    let help = match did_you_mean(name, names.chain([BASE])) {
-        Some(near) => format!("did you mean '{near}'?"),
-        None => "name one of the bodies, or base".to_owned(),
-    };
+    let help = suggestion(name, names.chain([BASE]))
+        .unwrap_or_else(|| "name one of the bodies, or base".to_owned());
     messages.error(
         fields.place_of("bodyname"),
         &format!(
@@ -112,13 +110,10 @@ fn unknown_point(
     });
     let names = model.points.iter().filter(|point| point.body == body);
     let names = names.map(|point| point.name.as_str());
-    let help = match did_you_mean(name, names.clone().chain([ORIGIN])) {
-        Some(near) => format!("did you mean '{near}'?"),
-        None => {
-            let all: Vec<&str> = names.chain([ORIGIN]).take(MAX_NAMED).collect();
-            format!("the points of {title} are: {}", all.join(", "))
-        }
-    };
+    let help = suggestion(name, names.clone().chain([ORIGIN])).unwrap_or_else(|| {
+        let all: Vec<&str> = names.chain([ORIGIN]).take(MAX_NAMED).collect();
+        format!("the points of {title} are: {}", all.join(", "))
+    });
     messages.error(
         fields.place_of("pointname"),
         &format!(

@@ -2,7 +2,7 @@
 
 use super::elements::{RobotElements, joint_title};
 use crate::xml::Messages;
-use robovec_ir::diagnostic::did_you_mean;
+use robovec_ir::diagnostic::suggestion;
 use rustc_hash::FxHashMap;
 
 /// A joint that follows: `factor` times the leader, plus `offset`.
@@ -107,10 +107,8 @@ fn direct(
         None => {
             let mut known: Vec<&str> = numbers.keys().copied().collect();
             known.sort_unstable();
-            let help = match did_you_mean(&mimic.leader, known) {
-                Some(near) => format!("did you mean '{near}'?"),
-                None => "name a joint of the robot".to_owned(),
-            };
+            let help = suggestion(&mimic.leader, known)
+                .unwrap_or_else(|| "name a joint of the robot".to_owned());
             (
                 format!("{title} follows a joint that is not there"),
                 "there is no joint of this name",

@@ -2,7 +2,7 @@
 
 use crate::robot::attributes::place_of;
 use crate::xml::{Messages, place};
-use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_ir::diagnostic::{clip, suggestion};
 use roxmltree::Node;
 
 /// A class, an index into [`Defaults`].
@@ -84,10 +84,8 @@ impl<'a> Defaults<'a> {
             return found;
         }
         let names = self.classes.iter().map(|class| class.name.as_str());
-        let help = match did_you_mean(name, names) {
-            Some(near) => format!("did you mean '{near}'?"),
-            None => format!("add `<default class=\"{}\">`", clip(name)),
-        };
+        let help = suggestion(name, names)
+            .unwrap_or_else(|| format!("add `<default class=\"{}\">`", clip(name)));
         messages.error(
             place_of(node, attribute),
             &format!("there is no class of defaults '{}'", clip(name)),

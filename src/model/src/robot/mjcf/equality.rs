@@ -12,7 +12,7 @@ use crate::robot::attributes::{numbers, place_of, triple};
 use crate::robot::elements::{ClosureElement, MimicElement, joint_title};
 use crate::rotation::{FramePose, Rotation3};
 use crate::xml::{Messages, is_usable, place};
-use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_ir::diagnostic::{clip, suggestion};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
 
@@ -233,8 +233,5 @@ fn end<T: Copy>(
 fn advice<T>(known: &FxHashMap<String, T>, name: &str, noun: &str) -> String {
     let mut names: Vec<&str> = known.keys().map(String::as_str).collect();
     names.sort_unstable();
-    match did_you_mean(name, names) {
-        Some(near) => format!("did you mean '{near}'?"),
-        None => format!("name a {noun} of the model"),
-    }
+    suggestion(name, names).unwrap_or_else(|| format!("name a {noun} of the model"))
 }

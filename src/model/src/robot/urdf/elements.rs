@@ -12,7 +12,7 @@ use crate::robot::elements::{
 };
 use crate::rotation::{FramePose, unit};
 use crate::xml::{Messages, is_usable, place, second, stem};
-use robovec_ir::diagnostic::{clip, did_you_mean};
+use robovec_ir::diagnostic::{clip, suggestion};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
@@ -214,13 +214,12 @@ fn end(
     }
     let mut known: Vec<&str> = numbers.keys().map(String::as_str).collect();
     known.sort_unstable();
-    let help = match did_you_mean(&link, known) {
-        Some(near) => format!("did you mean '{near}'?"),
-        None => format!(
+    let help = suggestion(&link, known).unwrap_or_else(|| {
+        format!(
             "add `<link name=\"{}\"/>`, or correct the name",
             clip(&link)
-        ),
-    };
+        )
+    });
     messages.error(
         place_of(child, "link"),
         &format!("the {which} of {title} is not a link of the robot"),
@@ -292,10 +291,8 @@ fn read_kind(node: Node<'_, '_>, title: &str, messages: &mut Messages) -> Option
     let found = KINDS.iter().find(|(name, _)| *name == text);
     if found.is_none() {
         let names = KINDS.map(|(name, _)| name);
-        let help = match did_you_mean(&text, names) {
-            Some(near) => format!("did you mean '{near}'?"),
-            None => format!("kinds of joints: {}", names.join(", ")),
-        };
+        let help = suggestion(&text, names)
+            .unwrap_or_else(|| format!("kinds of joints: {}", names.join(", ")));
         messages.error(
             place_of(node, "type"),
             &format!("{title} has an unknown type: '{}'", clip(&text)),
