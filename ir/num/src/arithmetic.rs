@@ -71,6 +71,32 @@ pub trait Arithmetic {
     }
 }
 
+/// The operations of an [`Arithmetic`] that are operators of its numbers.
+macro_rules! by_operators {
+    () => {
+        #[inline]
+        fn neg(&self, a: Self::Number) -> Self::Number {
+            -a
+        }
+        #[inline]
+        fn add(&self, a: Self::Number, b: Self::Number) -> Self::Number {
+            a + b
+        }
+        #[inline]
+        fn sub(&self, a: Self::Number, b: Self::Number) -> Self::Number {
+            a - b
+        }
+        #[inline]
+        fn mul(&self, a: Self::Number, b: Self::Number) -> Self::Number {
+            a * b
+        }
+        fn div(&self, a: Self::Number, b: Self::Number) -> Self::Number {
+            a / b
+        }
+    };
+}
+pub(crate) use by_operators;
+
 /// IEEE binary64.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Binary64;
@@ -86,21 +112,7 @@ impl Arithmetic for Binary64 {
     fn literal(&self, number: f64) -> f64 {
         number
     }
-    fn neg(&self, a: f64) -> f64 {
-        -a
-    }
-    fn add(&self, a: f64, b: f64) -> f64 {
-        a + b
-    }
-    fn sub(&self, a: f64, b: f64) -> f64 {
-        a - b
-    }
-    fn mul(&self, a: f64, b: f64) -> f64 {
-        a * b
-    }
-    fn div(&self, a: f64, b: f64) -> f64 {
-        a / b
-    }
+    by_operators!();
     fn sin(&self, a: f64) -> f64 {
         a.sin()
     }
@@ -121,21 +133,7 @@ impl Arithmetic for Binary32 {
     fn literal(&self, number: f64) -> f32 {
         number as f32
     }
-    fn neg(&self, a: f32) -> f32 {
-        -a
-    }
-    fn add(&self, a: f32, b: f32) -> f32 {
-        a + b
-    }
-    fn sub(&self, a: f32, b: f32) -> f32 {
-        a - b
-    }
-    fn mul(&self, a: f32, b: f32) -> f32 {
-        a * b
-    }
-    fn div(&self, a: f32, b: f32) -> f32 {
-        a / b
-    }
+    by_operators!();
     fn sin(&self, a: f32) -> f32 {
         f64::from(a).sin() as f32
     }

@@ -16,7 +16,7 @@ mod lanes;
 
 pub use lanes::{DoubleDoubleLanes, DoubleLanes};
 
-use crate::arithmetic::Arithmetic;
+use crate::arithmetic::{Arithmetic, by_operators};
 use std::sync::LazyLock;
 
 /// Products and quotients below this may have lost bits of their second half
@@ -352,25 +352,7 @@ impl Arithmetic for DoubleDouble {
     fn literal(&self, number: f64) -> Double {
         Double::from(number)
     }
-    #[inline]
-    fn neg(&self, a: Double) -> Double {
-        -a
-    }
-    #[inline]
-    fn add(&self, a: Double, b: Double) -> Double {
-        a + b
-    }
-    #[inline]
-    fn sub(&self, a: Double, b: Double) -> Double {
-        a - b
-    }
-    #[inline]
-    fn mul(&self, a: Double, b: Double) -> Double {
-        a * b
-    }
-    fn div(&self, a: Double, b: Double) -> Double {
-        a / b
-    }
+    by_operators!();
     /// NaN for angles beyond 10¹⁵.
     fn sin(&self, a: Double) -> Double {
         sine(a, 0)

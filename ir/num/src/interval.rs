@@ -8,7 +8,7 @@
 //! The library's sine and cosine are taken to be within four units in the
 //! last place, which every one in use keeps.
 
-use crate::arithmetic::Arithmetic;
+use crate::arithmetic::{Arithmetic, by_operators};
 
 /// All numbers from one to another, both included.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -349,21 +349,7 @@ impl Arithmetic for Enclosing {
     fn literal(&self, number: f64) -> Interval {
         Interval::point(number)
     }
-    fn neg(&self, a: Interval) -> Interval {
-        -a
-    }
-    fn add(&self, a: Interval, b: Interval) -> Interval {
-        a + b
-    }
-    fn sub(&self, a: Interval, b: Interval) -> Interval {
-        a - b
-    }
-    fn mul(&self, a: Interval, b: Interval) -> Interval {
-        a * b
-    }
-    fn div(&self, a: Interval, b: Interval) -> Interval {
-        a / b
-    }
+    by_operators!();
     fn sin(&self, a: Interval) -> Interval {
         if a == Interval::ZERO {
             return a;
