@@ -6,7 +6,7 @@
 use robovec::sources;
 use robovec_cgen::c::{Real, c_files};
 use robovec_framework::manager::{Config, run};
-use robovec_ir::{Machine, View};
+use robovec_ir::Machine;
 use robovec_passes::registry::REGISTRY;
 use std::error::Error;
 use std::path::Path;
@@ -27,10 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Config::new(&machine, &mut std::io::stderr()),
     )?;
     for function in &module.functions {
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         for (name, content) in c_files(view, Real::Double) {
             std::fs::write(Path::new(folder).join(&name), content)?;
             println!("{name}");

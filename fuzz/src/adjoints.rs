@@ -6,7 +6,7 @@ use crate::statistics::{Run, Statistics};
 use arbitrary::{Result, Unstructured};
 use robovec_analysis::adjoint::{self, OutputError, Tape};
 use robovec_ir::states::States;
-use robovec_ir::{Format, View, print};
+use robovec_ir::{Format, print};
 
 /// Number of runs of [`errors_are_predicted`], with their inputs.
 pub static STATISTICS: Statistics = Statistics::new("errors_are_predicted");
@@ -46,10 +46,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
     let format: Format = bytes.choose(&FORMATS)?.parse().expect("it is one");
     let seed = bytes.arbitrary()?;
     let module = equations(bytes, CONTENTS)?;
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let tape = Tape::new(view.function);
     let outputs: Vec<usize> = (0..tape.outputs()).collect();
     for state in 0..STATES {

@@ -140,15 +140,9 @@ fn execute(module: &mut Module, text: &str, seed: u64) -> std::result::Result<()
 /// sizes; the tolerance is the distance between the two quotients.
 fn compare(before: &Module, after: &Module, seed: u64) {
     let (old, new) = (&before.functions[0], &after.functions[0]);
-    let view = View {
-        tables: &after.tables,
-        function: new,
-    };
+    let view = after.tables.view(new);
     for state in 0..STATES {
-        let of_old = View {
-            tables: &before.tables,
-            function: old,
-        };
+        let of_old = before.tables.view(old);
         let inputs = States::new(seed).draw(of_old, state);
         let found = by_output(new, &inputs, (0, 0.0));
         for input in 0..old.input_len() {
@@ -279,14 +273,8 @@ fn plant(
     let pass: Box<dyn Pass> = (pass.info.build)(&pass.options).expect("options were read");
     let differentiation = pass.differentiation().expect("it differentiates");
     let verdict = check_derivative(
-        View {
-            tables: &before.tables,
-            function: &before.functions[0],
-        },
-        View {
-            tables: &after.tables,
-            function: &wrong,
-        },
+        before.tables.view(&before.functions[0]),
+        after.tables.view(&wrong),
         &differentiation,
         &States::new(seed),
         3,
@@ -295,10 +283,7 @@ fn plant(
         !verdict.holds(),
         "a wrong derivative passed, seed {seed}:\n{}\nbecame\n{}",
         print::print_module(before),
-        print::print_function(View {
-            tables: &after.tables,
-            function: &wrong
-        })
+        print::print_function(after.tables.view(&wrong))
     );
     Ok(true)
 }

@@ -119,10 +119,7 @@ fn judged(texts: [&str; 2], seed: u64) -> CheckVerdict {
 }
 
 fn view(module: &Module) -> View<'_> {
-    View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    }
+    module.tables.view(&module.functions[0])
 }
 
 fn input(bytes: &mut Unstructured<'_>) -> Result<String> {

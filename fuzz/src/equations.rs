@@ -11,8 +11,7 @@ use arbitrary::{Result, Unstructured};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::verify::verify;
 use robovec_ir::{
-    Assignment, Function, Input, Level, Module, Name, Node, Operand, Operation, Output, Shape,
-    SourceSet, Value, View,
+    Function, Input, Level, Module, Name, Node, Operand, Operation, Output, Shape, SourceSet, Value,
 };
 
 /// Contents of random equations.
@@ -65,13 +64,7 @@ pub fn equations(bytes: &mut Unstructured<'_>, contents: Contents) -> Result<Mod
     }
     maker.outputs(joints)?;
     let function = lay_out(&maker.function);
-    assert_eq!(
-        verify(View {
-            tables: &module.tables,
-            function: &function
-        }),
-        []
-    );
+    assert_eq!(verify(module.tables.view(&function)), []);
     module.functions.push(function);
     Ok(module)
 }
@@ -345,11 +338,8 @@ impl Maker<'_, '_> {
         }
         elements.sort_by_key(|&(place, _)| place);
         for (place, operand) in elements {
-            self.function.assignments.push(Assignment {
-                output: Output(place),
-                operand,
-                sources: SourceSet::EMPTY,
-            });
+            self.function
+                .assign(Output(place), operand, SourceSet::EMPTY);
         }
         Ok(())
     }
@@ -383,7 +373,7 @@ mod tests {
             let module = equations(bytes, contents)?;
             let function = &module.functions[0];
             let tables = &module.tables;
-            assert_eq!(verify(View { tables, function }), []);
+            assert_eq!(verify(tables.view(function)), []);
             largest = largest.max(function.nodes().len());
             let minus = |node: &&Node| node.operation == Operation::Neg;
             negative += function.nodes().iter().filter(minus).count();

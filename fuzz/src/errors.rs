@@ -12,7 +12,7 @@ use robovec_framework::pipeline::Pipeline;
 use robovec_framework::reduce::{TrialSetting, WORK, reduce};
 use robovec_ir::evaluate::{evaluate, evaluate_nodes, outputs};
 use robovec_ir::states::States;
-use robovec_ir::{Function, Machine, Module, View, print};
+use robovec_ir::{Function, Machine, Module, print};
 use robovec_num::arithmetic::Binary32;
 use robovec_num::double_double::DoubleDouble;
 use robovec_passes::registry::REGISTRY;
@@ -132,10 +132,7 @@ fn compare(before: &Module, after: &Module, pipeline: &Pipeline, seed: u64) {
         return;
     }
     for state in 0..STATES {
-        let view = View {
-            tables,
-            function: old,
-        };
+        let view = tables.view(old);
         let inputs = States::new(seed).draw(view, state);
         let Some(found) = Found::new(old, new, &inputs) else {
             continue;

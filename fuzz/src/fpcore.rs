@@ -143,10 +143,7 @@ fn read_text(text: &str) {
                 continue;
             }
         };
-        let view = View {
-            tables: &core.module.tables,
-            function: &core.module.functions[0],
-        };
+        let view = core.module.tables.view(&core.module.functions[0]);
         assert_eq!(verify(view), []);
         let printed = print_module(&core.module);
         let parsed = parse_module("fuzz", &printed).expect("printed text can be parsed");

@@ -7,8 +7,8 @@
 use crate::hostile;
 use arbitrary::{Result, Unstructured};
 use robovec_ir::{
-    Array, Assignment, Boundary, Function, Input, Level, Module, Name, Node, Operand, Operation,
-    Output, Shape, SourcePlace, SourceSet, Tables, Value,
+    Array, Boundary, Function, Input, Level, Module, Name, Node, Operand, Operation, Output, Shape,
+    SourcePlace, SourceSet, Tables, Value,
 };
 use std::collections::BTreeSet;
 
@@ -352,11 +352,8 @@ impl Generator<'_, '_> {
                     self.leaf()?
                 };
                 let sources = self.set_sources()?;
-                self.function.assignments.push(Assignment {
-                    output: Output(array.offset + element),
-                    operand,
-                    sources,
-                });
+                self.function
+                    .assign(Output(array.offset + element), operand, sources);
             }
         }
         Ok(())

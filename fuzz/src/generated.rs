@@ -147,10 +147,7 @@ fn holds(model: &Model, request: &GenerationRequest, language: Language) {
         }
     };
     for function in &module.functions {
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         assert_eq!(verify(view), []);
     }
     if request.function == FunctionKind::Dirdyna {
@@ -185,14 +182,8 @@ fn same_dynamics(model: &Model, request: &GenerationRequest, module: &Module) {
         (&reference.functions[0], &mut reference.tables),
         (&module.functions[0], &mut module.tables),
     );
-    let before = View {
-        tables: &reference.tables,
-        function: &before,
-    };
-    let after = View {
-        tables: &module.tables,
-        function: &after,
-    };
+    let before = reference.tables.view(&before);
+    let after = module.tables.view(&after);
     let verdict = check(before, after, NumericClass::RealTrig, &States::new(1), 2);
     assert!(verdict.holds(), "{request:?}: {verdict}");
 }
@@ -219,14 +210,8 @@ fn same_in_another_order(before: View<'_>, after: View<'_>) -> bool {
         (before.function, &mut tables),
         (after.function, &mut others),
     );
-    let before = View {
-        tables: &tables,
-        function: &one,
-    };
-    let after = View {
-        tables: &others,
-        function: &other,
-    };
+    let before = tables.view(&one);
+    let after = others.view(&other);
     check(before, after, NumericClass::Real, &States::new(1), 2).holds()
 }
 
@@ -253,16 +238,7 @@ fn reads_back(module: &Module, language: Language) {
         return;
     }
     for (before, after) in module.functions.iter().zip(&again.functions) {
-        let (before, after) = (
-            View {
-                tables: &module.tables,
-                function: before,
-            },
-            View {
-                tables: &again.tables,
-                function: after,
-            },
-        );
+        let (before, after) = (module.tables.view(before), again.tables.view(after));
         let same = same_equations(before, after) || same_in_another_order(before, after);
         assert!(
             same,

@@ -6,7 +6,7 @@ use robovec::simulate::mif::Image;
 use robovec_fpga::images;
 use robovec_ir::{
     Assignment, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation, Output,
-    Shape, SourceSet, View,
+    Shape, SourceSet,
 };
 use robovec_schedule::{PlaceOptions, place};
 
@@ -83,10 +83,7 @@ fn sound_images(bytes: &mut Unstructured<'_>, machine: &Machine) -> Result<Vec<(
         })
         .collect();
     place(&mut function, machine, PlaceOptions::default()).expect("it can be placed");
-    let view = View {
-        tables: &module.tables,
-        function: &function,
-    };
+    let view = module.tables.view(&function);
     Ok(images(view, machine, None).expect("a placed function has images"))
 }
 

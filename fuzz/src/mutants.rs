@@ -10,8 +10,8 @@ use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_function;
 use robovec_ir::states::States;
 use robovec_ir::{
-    Assignment, Format, Function, Input, Level, Name, Node, Operand, Operation, Output, Shape,
-    SourceSet, Tables, Value, View,
+    Format, Function, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
+    Tables, Value,
 };
 use robovec_num::double_double::DoubleDouble;
 
@@ -95,8 +95,8 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
     let seed = bytes.arbitrary()?;
     let holds = |class, after: &Function| {
         check(
-            view(&tables, &original),
-            view(&tables, after),
+            tables.view(&original),
+            tables.view(after),
             class,
             &States::new(seed),
             STATES,
@@ -122,8 +122,8 @@ pub fn plant(bytes: &mut Unstructured<'_>) -> Result<Mutant> {
         assert!(
             !holds(class, &mutated).holds(),
             "a wrong rewrite passed as {class}:\n{}\nbecame\n{}",
-            print_function(view(&tables, &original)),
-            print_function(view(&tables, &mutated))
+            print_function(tables.view(&original)),
+            print_function(tables.view(&mutated))
         );
     }
     Ok(Mutant::Caught)
@@ -140,13 +140,13 @@ fn plant_format(
     let seed = bytes.arbitrary()?;
     let states = States::new(seed);
     let verdict = |after: &Function| {
-        let (before, after) = (view(tables, &before), view(tables, after));
+        let (before, after) = (tables.view(&before), tables.view(after));
         check(before, after, NumericClass::Exact, &states, STATES)
     };
     let same = verdict(&before);
     assert!(same.holds(), "a function differs from itself: {same}");
     let shows = (0..STATES).all(|state| {
-        let inputs = states.draw(view(tables, &before), state);
+        let inputs = states.draw(tables.view(&before), state);
         [Format::BINARY64, Format::BINARY32]
             .into_iter()
             .all(|format| {
@@ -162,8 +162,8 @@ fn plant_format(
     assert!(
         !verdict(&after).holds(),
         "another format of a value passed:\n{}\nbecame\n{}",
-        print_function(view(tables, &before)),
-        print_function(view(tables, &after))
+        print_function(tables.view(&before)),
+        print_function(tables.view(&after))
     );
     Ok(Mutant::Caught)
 }
@@ -173,7 +173,7 @@ fn plant_format(
 fn referee_sees(tables: &Tables, [before, after]: [&Function; 2], seed: u64) -> bool {
     let mut referee = Referee::new(BITS[0]);
     let differ = (0..SEEN).filter(|&state| {
-        let inputs = States::new(seed).draw(view(tables, before), state);
+        let inputs = States::new(seed).draw(tables.view(before), state);
         let before = referee.evaluate(before, &inputs, Leniency::default());
         let after = referee.evaluate(after, &inputs, Leniency::default());
         let mut pairs = before.iter().zip(&after);
@@ -183,10 +183,6 @@ fn referee_sees(tables: &Tables, [before, after]: [&Function; 2], seed: u64) -> 
         })
     });
     2 * differ.count() > SEEN as usize
-}
-
-fn view<'a>(tables: &'a Tables, function: &'a Function) -> View<'a> {
-    View { tables, function }
 }
 
 /// A random function whose outputs are the values without readers.
@@ -220,11 +216,7 @@ fn function(bytes: &mut Unstructured<'_>, tables: &mut Tables) -> Result<Functio
         Shape::Vector(unread.len() as u32),
     );
     for (output, value) in (0..).zip(unread) {
-        function.assignments.push(Assignment {
-            output: Output(output),
-            operand: Value(value).into(),
-            sources: SourceSet::EMPTY,
-        });
+        function.assign(Output(output), Value(value).into(), SourceSet::EMPTY);
     }
     Ok(function)
 }
@@ -280,7 +272,7 @@ fn commuted(original: &Function) -> Function {
 pub(crate) fn differ(tables: &Tables, original: &Function, mutated: &Function, seed: u64) -> bool {
     (0..STATES).any(|state| {
         let inputs: Vec<_> = States::new(seed)
-            .draw(view(tables, original), state)
+            .draw(tables.view(original), state)
             .into_iter()
             .map(Into::into)
             .collect();

@@ -3,7 +3,6 @@
 
 use arbitrary::{Result, Unstructured};
 use robovec::robotran::{Language, read};
-use robovec_ir::View;
 use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::verify::verify;
@@ -158,10 +157,7 @@ fn read_bytes(bytes: &[u8], language: Option<Language>) {
         }
     };
     for function in &module.functions {
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         let violations = verify(view);
         assert!(violations.is_empty(), "{violations:?}");
     }

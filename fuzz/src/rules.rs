@@ -14,7 +14,7 @@ use robovec_framework::reduce::{Reduction, TrialSetting, WORK, reduce};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
-use robovec_ir::{Assignment, Input, Machine, Module, Operand, Output, Shape, SourceSet, print};
+use robovec_ir::{Input, Machine, Module, Operand, Output, Shape, SourceSet, print};
 use robovec_num::field::{Field, PrimeField};
 use robovec_passes::registry::REGISTRY;
 use robovec_rules::check::{RuleVerdict, check};
@@ -171,11 +171,7 @@ fn program(bytes: &mut Unstructured<'_>, rules: &RuleSet) -> Result<Module> {
         if let Some(value) = operand.value() {
             function.node_mut(value).name = plain(&format!("W{number}"), tables);
         }
-        function.assignments.push(Assignment {
-            output: Output(output.offset + number),
-            operand,
-            sources: SourceSet::EMPTY,
-        });
+        function.assign(Output(output.offset + number), operand, SourceSet::EMPTY);
     }
     module.functions[0] = lay_out(&module.functions[0]);
     Ok(module)

@@ -236,14 +236,8 @@ fn check(module: &Module, language: Language) {
     };
     assert_eq!(module.functions.len(), again.functions.len(), "{text}");
     for (before, after) in module.functions.iter().zip(&again.functions) {
-        let before = View {
-            tables: &module.tables,
-            function: before,
-        };
-        let after = View {
-            tables: &again.tables,
-            function: after,
-        };
+        let before = module.tables.view(before);
+        let after = again.tables.view(after);
         compare(before, after, text);
     }
 }

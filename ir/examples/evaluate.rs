@@ -4,7 +4,7 @@
 
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::states::States;
-use robovec_ir::{View, parse, print};
+use robovec_ir::{parse, print};
 use robovec_num::arithmetic::Binary64;
 use std::error::Error;
 
@@ -14,10 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let module = parse::parse_module(&path, &text)
         .map_err(|found| robovec_ir::diagnostic::Report::of(&path, text, found).render_plain())?;
     for function in &module.functions {
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         let inputs = States::new(1).draw(view, 0);
         let outputs = evaluate(function, &Binary64, &inputs);
         for (assignment, number) in function.assignments.iter().zip(outputs) {

@@ -151,11 +151,7 @@ mod tests {
         let minus = node(minus, Operation::Neg, [product.into()]);
         let minus: Value = function.push(minus);
         let sum = function.push(node(Name::NONE, Operation::Add, [minus.into(), q]));
-        function.assignments.push(Assignment {
-            output: Output(0),
-            operand: sum.into(),
-            sources: SourceSet::EMPTY,
-        });
+        function.assign(Output(0), sum.into(), SourceSet::EMPTY);
         let counts = Counts::of(&function);
         assert_eq!(counts.equations, 3);
         assert_eq!(counts.operations, 3);

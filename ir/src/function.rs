@@ -420,6 +420,15 @@ impl Function {
         value
     }
 
+    /// Appends an assignment.
+    pub fn assign(&mut self, output: Output, operand: Operand, sources: SourceSet) {
+        self.assignments.push(Assignment {
+            output,
+            operand,
+            sources,
+        });
+    }
+
     /// Makes room for a number of nodes.
     pub fn reserve(&mut self, nodes: usize) {
         self.nodes.reserve(nodes);

@@ -16,6 +16,16 @@ pub struct Tables {
     pub sources: Sources,
 }
 
+impl Tables {
+    /// A function whose numbers refer to these tables.
+    pub fn view<'a>(&'a self, function: &'a Function) -> View<'a> {
+        View {
+            tables: self,
+            function,
+        }
+    }
+}
+
 /// Functions with their names and sources.
 ///
 /// Two modules are equal when they state the same: how strings, constants and
@@ -49,16 +59,7 @@ impl PartialEq for Module {
                 .iter()
                 .zip(&other.functions)
                 .all(|(left, right)| {
-                    same_function(
-                        View {
-                            tables: &self.tables,
-                            function: left,
-                        },
-                        View {
-                            tables: &other.tables,
-                            function: right,
-                        },
-                    )
+                    same_function(self.tables.view(left), other.tables.view(right))
                 })
     }
 }

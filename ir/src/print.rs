@@ -31,10 +31,7 @@ pub fn write_module(module: &Module, writer: &mut dyn io::Write) -> io::Result<(
     text.file_header(&module.tables);
     for function in &module.functions {
         text.push("\n");
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         FunctionPrinter::new(view).print(&mut text)?;
     }
     text.finish()

@@ -263,10 +263,7 @@ mod tests {
     #[test]
     fn states_are_reproducible_physical_and_representable_in_binary32() {
         let (tables, function) = sample();
-        let view = View {
-            tables: &tables,
-            function: &function,
-        };
+        let view = tables.view(&function);
         let states = States::new(1);
         let state = states.draw(view, 0);
         assert_eq!(state, states.draw(view, 0));
@@ -288,10 +285,7 @@ mod tests {
     #[test]
     fn known_ranges_are_kept_and_leave_the_rest_alone() {
         let (tables, function) = sample();
-        let view = View {
-            tables: &tables,
-            function: &function,
-        };
+        let view = tables.view(&function);
         let mut ranges = Ranges::default();
         ranges.set("q", [3, 0], -0.05, 0.05);
         ranges.set("In", [5, 2], 0.1, 0.1);

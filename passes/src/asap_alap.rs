@@ -47,9 +47,7 @@ impl Pass for AsapAlap {
             .iter()
             .filter(|timing| timing.mobility() == 0)
             .count();
-        context
-            .statistics
-            .push(("operations without mobility", critical as u64));
+        context.count("operations without mobility", critical as u64);
         function.timing = Some(timing);
         Ok(())
     }

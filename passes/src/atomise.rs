@@ -63,9 +63,7 @@ impl Pass for Atomise {
             });
         }
         *function = rewriter.finish();
-        context
-            .statistics
-            .push(("minuses written as 0 - x", minuses));
+        context.count("minuses written as 0 - x", minuses);
         Ok(())
     }
 }

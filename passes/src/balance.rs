@@ -1,12 +1,12 @@
 //! Tree balancing (thesis 2.4.3).
 
 use crate::cse::merge_equal;
-use crate::reassociate::{TreeShape, reassociate_asking};
+use crate::reassociate::{TreeShape, reassociate};
 use crate::sums::groups::GroupReach;
 use robovec_analysis::critical_path::{Weights, arrivals, longest};
 use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_framework::rewrite::remove_dead_asking;
+use robovec_framework::rewrite::remove_dead;
 use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::trail::Notes;
 use robovec_ir::{Function, Level, Tables};
@@ -60,10 +60,10 @@ impl Balance {
             _ => None,
         };
         let function = merged.as_ref().unwrap_or(function);
-        let live = remove_dead_asking(function, rewrites).map(|(function, _)| function);
+        let live = remove_dead(function, rewrites).map(|(function, _)| function);
         let function = live.as_ref().unwrap_or(function);
         let (reach, shape) = (GroupReach::Maximal, TreeShape::Earliest);
-        reassociate_asking(function, tables, weights, reach, shape, rewrites)
+        reassociate(function, tables, weights, reach, shape, rewrites)
     }
 }
 
@@ -97,12 +97,12 @@ impl Pass for Balance {
             best.0 <= before.0 || context.rewrites.has_refused(),
             "the longest path never grows"
         );
-        context.statistics.push((
+        context.count(
             "cycles taken off the longest path",
             before.0.saturating_sub(best.0).into(),
-        ));
+        );
         let fewer = before.1.saturating_sub(best.1);
-        context.statistics.push(("operations saved", fewer as u64));
+        context.count("operations saved", fewer as u64);
         Ok(())
     }
 }

@@ -186,10 +186,7 @@ declare_pass! {
 impl Pass for Codegen {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let before = context.artifacts.len();
-        let view = View {
-            tables: context.tables,
-            function,
-        };
+        let view = context.tables.view(function);
         match self.target {
             _ if self.base == 0 && self.target != CodegenTarget::C => {
                 let message = "only target=c has arrays that count from 0 on request";
@@ -294,8 +291,8 @@ impl Pass for Codegen {
         }
         let new = &context.artifacts[before..];
         let bytes = new.iter().map(|file| file.text.len() as u64).sum();
-        context.statistics.push(("files", new.len() as u64));
-        context.statistics.push(("bytes", bytes));
+        context.count("files", new.len() as u64);
+        context.count("bytes", bytes);
         Ok(())
     }
 }

@@ -211,7 +211,7 @@ impl Pass for Cse {
             *function = new;
             count = merged;
         }
-        context.statistics.push(("operations merged", count));
+        context.count("operations merged", count);
         Ok(())
     }
 }

@@ -60,7 +60,7 @@ impl Pass for Fma {
         let mut fused = Operation::ALL.into_iter().filter(|known| known.is_fused());
         if !fused.any(performs) {
             let name = &machine.name;
-            context.remarks.push(format!(
+            context.remark(format!(
                 "nothing is contracted: the machine '{name}' has no elements that perform fma, \
                  fms or fnma; the machine 'fused' has, and fma{{always}} is for C"
             ));
@@ -83,8 +83,8 @@ impl Pass for Fma {
         *function = contracted(function, &forms, context);
         let after = critical_path(function, machine).asap_cycle;
         let saved = sums - function.nodes().len();
-        context.statistics.push(("sums fused", fused as u64));
-        context.statistics.push(("operations saved", saved as u64));
+        context.count("sums fused", fused as u64);
+        context.count("operations saved", saved as u64);
         if !self.always {
             let cycles = before.saturating_sub(after);
             let cycles = ("cycles taken off the longest path", cycles.into());

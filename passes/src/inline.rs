@@ -42,7 +42,7 @@ impl Pass for Inline {
         let substituted = choice.count();
         let new = choice.apply();
         *function = lay_out(&with_sources(new, context.tables));
-        context.statistics.push(("values substituted", substituted));
+        context.count("values substituted", substituted);
         Ok(())
     }
 }

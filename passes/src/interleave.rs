@@ -14,8 +14,8 @@ use robovec_framework::instances::{InstanceNames, Instances, KEY, MAX_INSTANCES,
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::lay_out;
 use robovec_ir::{
-    Array, Assignment, Boundary, Function, Input, Level, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS,
-    Name, Node, Operand, OperandKind, Output, Symbol, Tables, Value, ValueFormats,
+    Array, Boundary, Function, Input, Level, MAX_INPUT_ELEMENTS, MAX_OUTPUT_ELEMENTS, Name, Node,
+    Operand, OperandKind, Output, Symbol, Tables, Value, ValueFormats,
 };
 use robovec_num::limits::NumberLimit;
 
@@ -73,7 +73,7 @@ impl Pass for Interleave {
             _ => new,
         };
         let count = u64::from(instances.count);
-        context.statistics.push(("instances", count));
+        context.count("instances", count);
         Ok(())
     }
 
@@ -301,11 +301,11 @@ impl<'a> Copier<'a> {
             for instance in 1..=count {
                 let offset = self.outputs[place * count as usize + instance as usize - 1];
                 let operand = self.operand(assignment.operand, instance);
-                self.new.assignments.push(Assignment {
-                    output: Output(offset + output - array.offset),
+                self.new.assign(
+                    Output(offset + output - array.offset),
                     operand,
-                    sources: assignment.sources,
-                });
+                    assignment.sources,
+                );
             }
         }
         self.new.sort_assignments();

@@ -102,9 +102,7 @@ impl Pass for Lookahead {
             cycles = u64::from(before.0 - path);
             *function = new;
         }
-        context
-            .statistics
-            .push(("cycles taken off the longest path", cycles));
+        context.count("cycles taken off the longest path", cycles);
         Ok(())
     }
 }

@@ -221,7 +221,7 @@ fn made(moves: &[Pipeline], function: &Function, context: &mut Context<'_>) -> V
             }
         };
         let remark = format!("the move the move '{pipeline}' is left out: {reason}");
-        context.remarks.push(remark);
+        context.remark(remark);
     }
     variants
 }

@@ -1,6 +1,6 @@
 //! Tree swapping (thesis 2.4.2).
 
-use crate::reassociate::{TreeShape, reassociate_asking};
+use crate::reassociate::{TreeShape, reassociate};
 use crate::sums::groups::GroupReach;
 use robovec_analysis::critical_path::{Weights, critical_path};
 use robovec_framework::declare_pass;
@@ -24,7 +24,7 @@ declare_pass! {
 impl Pass for Swap {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let new = reassociate_asking(
+        let new = reassociate(
             function,
             context.tables,
             &weights,
@@ -37,14 +37,12 @@ impl Pass for Swap {
         if after <= before || context.rewrites.has_refused() {
             *function = new;
         } else {
-            context
-                .remarks
-                .push("unchanged, because nothing was gained".to_owned());
+            context.remark("unchanged, because nothing was gained".to_owned());
         }
-        context.statistics.push((
+        context.count(
             "cycles taken off the longest path",
             before.saturating_sub(after).into(),
-        ));
+        );
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! Zero removal (thesis 2.4.1).
 
-use crate::reassociate::{TreeShape, reassociate_asking};
+use crate::reassociate::{TreeShape, reassociate};
 use crate::sums::groups::GroupReach;
 use robovec_analysis::critical_path::Weights;
 use robovec_framework::declare_pass;
@@ -37,7 +37,7 @@ pub fn minuses(function: &Function) -> usize {
 impl Pass for ZeroRemoval {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let weights = Weights::cycles(context.machine);
-        let new = reassociate_asking(
+        let new = reassociate(
             function,
             context.tables,
             &weights,
@@ -49,17 +49,11 @@ impl Pass for ZeroRemoval {
         if new.nodes().len() <= function.nodes().len() || context.rewrites.has_refused() {
             *function = new;
         } else {
-            context
-                .remarks
-                .push("unchanged, because nothing was gained".to_owned());
+            context.remark("unchanged, because nothing was gained".to_owned());
         }
         let after = minuses(function);
-        context
-            .statistics
-            .push(("0 - x removed", before.saturating_sub(after) as u64));
-        context
-            .statistics
-            .push(("0 - x left for outputs", after as u64));
+        context.count("0 - x removed", before.saturating_sub(after) as u64);
+        context.count("0 - x left for outputs", after as u64);
         Ok(())
     }
 }

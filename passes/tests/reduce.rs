@@ -6,7 +6,7 @@ use robovec_framework::pass::{Context, Gives, Pass, PassError, PassInfo};
 use robovec_framework::pipeline::{PassStep, Pipeline, PipelineStep};
 use robovec_framework::reduce::*;
 use robovec_framework::rewrite::lay_out;
-use robovec_ir::{Function, Level, Machine, Operation, Value, View, parse, print, verify};
+use robovec_ir::{Function, Level, Machine, Operation, Value, parse, print, verify};
 use robovec_passes::registry::REGISTRY;
 use robovec_rules::RuleSet;
 
@@ -205,10 +205,7 @@ fn equations_are_reduced_as_equations() {
     let function = &found.program.functions[0];
     assert_eq!(function.level, Level::Equations);
     assert_eq!(function.nodes().len(), 2, "{}", text(&found));
-    let view = View {
-        tables: &found.program.tables,
-        function,
-    };
+    let view = found.program.tables.view(function);
     assert_eq!(verify::verify(view), []);
 }
 

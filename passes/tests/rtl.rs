@@ -49,10 +49,7 @@ fn placed(text: &str, machine: &Machine) -> Module {
 }
 
 fn view(module: &Module) -> View<'_> {
-    View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    }
+    module.tables.view(&module.functions[0])
 }
 
 type Files = Vec<(String, String)>;

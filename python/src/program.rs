@@ -322,10 +322,7 @@ impl PythonProgram {
     }
 
     fn view(&self) -> View<'_> {
-        View {
-            tables: &self.module.tables,
-            function: self.function(),
-        }
+        self.module.tables.view(self.function())
     }
 
     fn described(&self, arrays: &[Array]) -> Vec<(String, Vec<usize>)> {

@@ -374,10 +374,7 @@ fn length(module: &Module) -> usize {
 
 /// The one function of a module.
 fn view(module: &Module) -> View<'_> {
-    View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    }
+    module.tables.view(&module.functions[0])
 }
 
 /// Reason why a function is not compiled.

@@ -54,10 +54,7 @@ pub(crate) fn explain(
         }
         (Some(now), None) => {
             text.push_str("in the end\n");
-            let view = View {
-                tables: &module.tables,
-                function,
-            };
+            let view = module.tables.view(function);
             let definition = last_definition(view, item).unwrap_or_else(|| now.text.clone());
             let now = Moment {
                 text: definition,

@@ -31,10 +31,7 @@ pub(crate) fn simulate(
                 vec!["'--simulate' needs a pipeline with 'place' in it".to_owned()],
             ));
         }
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         let cycles = compare(view, machine, states, draws).map_err(|reason| {
             CommandFailure::plain(format!("simulating '{}': {reason}", function.name))
         })?;

@@ -71,10 +71,7 @@ impl<'a> RunSummary<'a> {
         let count = (EVALUATIONS / nodes.max(1)).min(MOST_STATES) / LANES * LANES;
         let pairs = module.functions.iter().zip(&exact.functions);
         let before = pairs.map(|(function, exact_function)| {
-            let view = View {
-                tables: &exact.tables,
-                function: exact_function,
-            };
+            let view = exact.tables.view(exact_function);
             let exact = || Yardstick::new(view, &states.0, count as u32);
             FunctionBefore {
                 name: function.name.clone(),
@@ -96,10 +93,7 @@ impl<'a> RunSummary<'a> {
         let lines = module.functions.iter().filter_map(|function| {
             let mut before = self.before.iter();
             let before = before.find(|before| before.name == function.name)?;
-            let view = View {
-                tables: &module.tables,
-                function,
-            };
+            let view = module.tables.view(function);
             Some(format!(
                 "{}: {} -> {}, {}; {}\n",
                 function.name,

@@ -127,10 +127,7 @@ fn random_inputs(
     for index in 0..count {
         let mut functions = Vec::new();
         for function in &request.module.functions {
-            let view = View {
-                tables: &request.module.tables,
-                function,
-            };
+            let view = request.module.tables.view(function);
             let mut drawn = states.draw(view, index);
             if let Some(model) = request.model {
                 take_parameters(model, view, &mut drawn)?;
@@ -190,10 +187,7 @@ fn write<A: Show>(
     let mut writer = ResultWriter::new(request.format);
     for (state, functions) in states.iter().enumerate() {
         for (function, inputs) in request.module.functions.iter().zip(functions) {
-            let view = View {
-                tables: &request.module.tables,
-                function,
-            };
+            let view = request.module.tables.view(function);
             arithmetic.clear();
             let numbers = arithmetic.evaluate(function, inputs);
             writer.start(state + 1, &function.name);

@@ -5,7 +5,7 @@ use super::promise::Promise;
 use super::{Finding, Tally};
 use robovec_framework::manager::{self, Config, RunError};
 use robovec_ir::states::States;
-use robovec_ir::{Machine, Module, View, print};
+use robovec_ir::{Machine, Module, print};
 use robovec_passes::registry::REGISTRY;
 
 /// Points at which versions are compared.
@@ -106,14 +106,8 @@ fn judge(
     let pipeline = REGISTRY.pipeline(step).expect("made of known passes");
     let promise = Promise::of(pipeline.passes().next().expect("it is a pass"));
     for (old, new) in before.functions.iter().zip(&after.functions) {
-        let old = View {
-            tables: &before.tables,
-            function: old,
-        };
-        let new = View {
-            tables: &after.tables,
-            function: new,
-        };
+        let old = before.tables.view(old);
+        let new = after.tables.view(new);
         let count = promise
             .instances
             .as_ref()

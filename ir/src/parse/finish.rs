@@ -4,7 +4,7 @@ use super::builder::{ModuleBuilder, Open};
 use super::parts::{PendingAssignment, Span};
 use super::problems::error;
 use crate::entity::{Operand, Value};
-use crate::function::{Assignment, Function, Level, Node, Timing};
+use crate::function::{Function, Level, Node, Timing};
 use crate::history::History;
 use crate::module::View;
 use crate::placement::Preload;
@@ -36,10 +36,7 @@ impl<'t> ModuleBuilder<'t> {
         self.complete_tables();
         let open = std::mem::replace(&mut self.open, Open::new("", Level::Equations, None));
         if self.problems.len() == open.problems_before {
-            let view = View {
-                tables: &self.module.tables,
-                function: &open.function,
-            };
+            let view = self.module.tables.view(&open.function);
             for violation in self.violations(view) {
                 let span = place(&open, head, &spans, &preload_spans, &violation);
                 self.problems.push(error(span, violation.message));
@@ -113,11 +110,9 @@ impl<'t> ModuleBuilder<'t> {
             pending.sort_by_key(|assignment| assignment.output);
         }
         for assignment in &pending {
-            self.open.function.assignments.push(Assignment {
-                output: assignment.output,
-                operand: assignment.operand,
-                sources: assignment.sources,
-            });
+            self.open
+                .function
+                .assign(assignment.output, assignment.operand, assignment.sources);
         }
         if let Some(histories) = &mut self.open.function.histories {
             let outputs = pending.iter().map(|assignment| assignment.history);

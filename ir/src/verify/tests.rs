@@ -21,10 +21,7 @@ fn parsed(text: &str) -> Module {
 }
 
 fn view(module: &Module) -> View<'_> {
-    View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    }
+    module.tables.view(&module.functions[0])
 }
 
 /// The messages after a change that the parser would not let pass.
@@ -207,10 +204,7 @@ fn long_lists_are_cut_and_counted() {
         });
     }
     function.assignments = Vec::<Assignment>::new();
-    let violations = verify(View {
-        tables: &tables,
-        function: &function,
-    });
+    let violations = verify(tables.view(&function));
     assert_eq!(violations.len(), MAX_DESCRIBED + 1);
     assert_eq!(
         violations[MAX_DESCRIBED].message,

@@ -248,10 +248,7 @@ mod tests {
             "function f equations {{\n  in q[1..9]\n  out c[1..2]\n  c[1] = {expression}\n  c[2] = q[2]*q[1]\n}}\n"
         );
         let module = parse_module("f", &text).expect("it is sound");
-        let view = View {
-            tables: &module.tables,
-            function: &module.functions[0],
-        };
+        let view = module.tables.view(&module.functions[0]);
         rounding(view, &States::new(5), states)
     }
 

@@ -4,7 +4,7 @@
 
 use robovec_fpga::images;
 use robovec_ir::diagnostic::Report;
-use robovec_ir::{Machine, View, parse};
+use robovec_ir::{Machine, parse};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -12,10 +12,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = std::fs::read_to_string(&path)?;
     let module = parse::parse_module(&path, &text)
         .map_err(|found| Report::of(&path, text, found).render_plain())?;
-    let view = View {
-        tables: &module.tables,
-        function: module.functions.first().ok_or("the file has no function")?,
-    };
+    let view = module
+        .tables
+        .view(module.functions.first().ok_or("the file has no function")?);
     let machine = Machine::built_in("thesis").ok_or("there is no such machine")?;
     for (name, content) in images(view, &machine, None)? {
         println!("{name}\n{content}");

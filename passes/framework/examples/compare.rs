@@ -6,7 +6,7 @@ use robovec_framework::NumericClass;
 use robovec_framework::check::check;
 use robovec_ir::diagnostic::Report;
 use robovec_ir::states::States;
-use robovec_ir::{Module, View, parse};
+use robovec_ir::{Module, parse};
 use std::error::Error;
 
 fn read(path: &str) -> Result<Module, Box<dyn Error>> {
@@ -21,10 +21,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("two files".into());
     };
     let modules = [read(before)?, read(after)?];
-    let [before, after] = modules.each_ref().map(|module| View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    });
+    let [before, after] = modules
+        .each_ref()
+        .map(|module| module.tables.view(&module.functions[0]));
     let verdict = check(before, after, NumericClass::Real, &States::new(1), 8);
     println!("{verdict}");
     Ok(())

@@ -224,22 +224,17 @@ impl ExpressionLayout<'_> {
     }
 }
 
-/// The function without the operations on which no output depends, and their
-/// number; `None` when there are none.
-pub fn remove_dead(function: &Function) -> Option<(Function, u64)> {
-    remove_dead_asking(function, &RewriteLimit::default())
-}
-
 /// The function without the operations no output depends on.
 pub fn without_dead(function: Function) -> Function {
-    match remove_dead(&function) {
+    match remove_dead(&function, &RewriteLimit::default()) {
         Some((live, _)) => live,
         None => function,
     }
 }
 
-/// As [`remove_dead`], with a test before each removal.
-pub fn remove_dead_asking(function: &Function, rewrites: &RewriteLimit) -> Option<(Function, u64)> {
+/// The function without the operations on which no output depends, and their
+/// number; `None` when there are none. Tests before each removal.
+pub fn remove_dead(function: &Function, rewrites: &RewriteLimit) -> Option<(Function, u64)> {
     let outputs = function.assignments.iter();
     let live = needed(
         function,

@@ -128,7 +128,7 @@ impl Pass for Place {
             ("orders tried", summary.tries),
         ];
         for (name, number) in statistics {
-            context.statistics.push((name, number.into()));
+            context.count(name, number.into());
         }
         let quality = match summary.cycles - summary.lower_bound {
             0 => "optimal".to_owned(),
@@ -146,7 +146,7 @@ impl Pass for Place {
                 f64::from(summary.cycles) / f64::from(count)
             ),
         };
-        context.remarks.push(format!(
+        context.remark(format!(
             "{}{per_instance} on '{}', {quality}, by order '{}'",
             counted(summary.cycles, "cycle"),
             machine.name,

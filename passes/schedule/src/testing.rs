@@ -3,8 +3,8 @@
 use robovec_ir::machine::MemoryStyle;
 use robovec_ir::placement::{Bank, BufferWord, Element, Placement, Schedule, Word};
 use robovec_ir::{
-    Assignment, Function, Level, Machine, Name, Node, Operand, Operation, Output, Shape, SourceSet,
-    Symbol, Value,
+    Function, Level, Machine, Name, Node, Operand, Operation, Output, Shape, SourceSet, Symbol,
+    Value,
 };
 use robovec_num::random::Random;
 use std::collections::{BTreeMap, BTreeSet};
@@ -47,11 +47,8 @@ impl TestFunctionBuilder {
 
     /// Sets an output element, from 0.
     pub(super) fn output(&mut self, number: u32, operand: Operand) {
-        self.function.assignments.push(Assignment {
-            output: Output(number),
-            operand,
-            sources: SourceSet::EMPTY,
-        });
+        self.function
+            .assign(Output(number), operand, SourceSet::EMPTY);
     }
 }
 

@@ -139,10 +139,7 @@ fn random_programs_obey_networks() {
                     let priority = Priority::Alap;
                     let options = PlaceOptions { priority, choice };
                     let summary = place(&mut function, &machine, options).expect("it fits");
-                    let view = View {
-                        tables: &tables,
-                        function: &function,
-                    };
+                    let view = tables.view(&function);
                     let violations = verify_placement(view, &machine);
                     assert!(violations.is_empty(), "{network:?} {name}: {violations:?}");
                     assert!(summary.lower_bound <= summary.cycles);
@@ -163,10 +160,7 @@ fn a_placement_for_a_crossbar_breaks_the_rules_of_a_network() {
     for name in ["q", "o", "v"] {
         tables.symbols.intern(name);
     }
-    let view = View {
-        tables: &tables,
-        function: &function,
-    };
+    let view = tables.view(&function);
     assert_eq!(verify_placement(view, &machine), []);
     for (topology, hop, message) in [
         (Topology::Mesh, 1, "before its result is there"),

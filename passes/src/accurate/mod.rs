@@ -178,12 +178,10 @@ impl Pass for Accurate {
         let refused = context.rewrites.has_refused();
         if refused || search.errors != search.old && new.no_worse_than(&old) {
             context.statistics.append(&mut search.statistics);
-            context.remarks.push(told(&old, &new));
+            context.remark(told(&old, &new));
             *function = search.best;
         } else {
-            context
-                .remarks
-                .push("no form was found that rounds less".to_owned());
+            context.remark("no form was found that rounds less".to_owned());
         }
         Ok(())
     }

@@ -141,7 +141,7 @@ fn rewrite(
 ) {
     let Some(scene) = context.scene else {
         let remark = "no scene gives ranges, so nothing is proved and nothing rewritten";
-        context.remarks.push(remark.to_owned());
+        context.remark(remark.to_owned());
         return;
     };
     let most = WORK / function.nodes().len().max(1);
@@ -176,9 +176,7 @@ fn rewrite(
         ));
         better.insert(value, form);
     }
-    context
-        .statistics
-        .push(("differences rewritten", better.len() as u64));
+    context.count("differences rewritten", better.len() as u64);
     context.remarks.append(&mut remarks);
     if let Some((&last, _)) = better.last_key_value() {
         let (version, _) = written(function, &better, last);

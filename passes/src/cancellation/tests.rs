@@ -110,10 +110,7 @@ fn one_less_a_cosine_needs_a_small_angle() {
 fn lost_bits(module: &Module, exact: &Module, ranges: &[(&str, [f64; 2])]) -> f64 {
     let view = |module| -> View<'_> {
         let module: &Module = module;
-        View {
-            tables: &module.tables,
-            function: &module.functions[0],
-        }
+        module.tables.view(&module.functions[0])
     };
     let mut scene = Scene::default();
     for (name, [low, high]) in ranges {

@@ -68,7 +68,7 @@ pub(crate) fn import(
     let values = values.map(|function| defined_values(function, &images));
     let Some(values) = values.collect::<Option<Vec<_>>>() else {
         let reason = "a value is undefined everywhere; nothing is changed";
-        context.remarks.push(reason.to_owned());
+        context.remark(reason.to_owned());
         return None;
     };
     let tables = &mut *context.tables;

@@ -74,13 +74,13 @@ impl Pass for Composite {
         let Some(model) = ModelInputs::find(function, &network, context.tables) else {
             let remark = "there is no mass matrix, and no acceleration of every joint for its \
                           force, over Robotran's inputs";
-            context.remarks.push(remark.to_owned());
+            context.remark(remark.to_owned());
             return Ok(());
         };
         let places = match tree::find(function, &model) {
             Ok(places) => places,
             Err(remark) => {
-                context.remarks.push(remark.to_owned());
+                context.remark(remark.to_owned());
                 return Ok(());
             }
         };

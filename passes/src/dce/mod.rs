@@ -4,7 +4,7 @@
 mod order;
 
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
-use robovec_framework::rewrite::remove_dead_asking;
+use robovec_framework::rewrite::remove_dead;
 use robovec_framework::{declare_pass, option_words};
 use robovec_ir::Function;
 
@@ -42,14 +42,14 @@ declare_pass! {
 impl Pass for Dce {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let mut count = 0;
-        if let Some((new, dead)) = remove_dead_asking(function, context.rewrites) {
+        if let Some((new, dead)) = remove_dead(function, context.rewrites) {
             *function = new;
             count = dead;
         }
         if self.order == ValueOrder::Outputs {
             *function = order::by_outputs(function);
         }
-        context.statistics.push(("operations removed", count));
+        context.count("operations removed", count);
         Ok(())
     }
 }

@@ -141,8 +141,8 @@ impl<'a> DerivativeJob<'a> {
         } = elimination;
         let assigned = self.assign(&graph, &mut writer);
         let added = (writer.len() - own) as u64;
-        context.statistics.push(("elements set", assigned));
-        context.statistics.push(("operations added", added));
+        context.count("elements set", assigned);
+        context.count("operations added", added);
         Ok(writer)
     }
 
@@ -239,7 +239,7 @@ impl<'a> DerivativeJob<'a> {
             }
             if is_whole {
                 let count = (trial.writer.len() - writer.len()) as u64;
-                context.statistics.push((order.count_name(), count));
+                context.count(order.count_name(), count);
             }
         }
         let orders = best.into_iter();
@@ -312,11 +312,7 @@ impl<'a> DerivativeJob<'a> {
         for array in derivatives.filter(|&array| !is_set[array]) {
             let array = function.outputs()[array];
             if !array.shape.is_empty() {
-                function.assignments.push(Assignment {
-                    output: Output(array.offset),
-                    operand: zero,
-                    sources: SourceSet::EMPTY,
-                });
+                function.assign(Output(array.offset), zero, SourceSet::EMPTY);
             }
         }
     }
@@ -337,11 +333,7 @@ impl<'a> DerivativeJob<'a> {
             rule: "chain rule",
         };
         let operand = writer.signed(weight, origin);
-        writer.function.assignments.push(Assignment {
-            output,
-            operand,
-            sources,
-        });
+        writer.function.assign(output, operand, sources);
     }
 }
 

@@ -79,10 +79,7 @@ impl Pass for Differentiate {
             let message = "values have their own formats, and those of derivatives are unknown";
             return Err(PassError::new(message).help("run 'differentiate' before 'mixed'"));
         }
-        let view = View {
-            tables: &*context.tables,
-            function,
-        };
+        let view = context.tables.view(function);
         let arrays = self.wanted().arrays(view).map_err(refusal)?;
         let told = self.told(&arrays, view);
         let job = DerivativeJob::new(function, arrays, self.result, context.tables);

@@ -7,7 +7,7 @@ use robovec_framework::manager::{self, Config};
 use robovec_framework::pass::Pass;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
-use robovec_ir::{Machine, Module, Operation, View};
+use robovec_ir::{Machine, Module, Operation};
 use std::fmt::Write;
 
 fn module(text: &str) -> Module {
@@ -91,10 +91,7 @@ fn the_element_that_is_wrong_is_named() {
         .find(|&value| derivative.node(value).operation == Operation::Mul);
     let product = product.expect("cos(x[1])*x[2] is a product");
     derivative.node_mut(product).operation = Operation::Add;
-    let views = [&function, &wrong].map(|module| View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    });
+    let views = [&function, &wrong].map(|module| module.tables.view(&module.functions[0]));
     let wanted = Differentiate::default().differentiation();
     let wanted = wanted.expect("it differentiates");
     let verdict = check_derivative(views[0], views[1], &wanted, &States::new(1), 2);

@@ -187,7 +187,7 @@ impl Pass for Eqsat {
         let weights = Weights::cycles(context.machine);
         let (placeable, left_out) = placeable(context.rules, context.machine);
         if !left_out.is_empty() {
-            context.remarks.push(format!(
+            context.remark(format!(
                 "left out, since the machine {} cannot place what they make: {}",
                 context.machine.name,
                 left_out.join(", ")
@@ -257,17 +257,15 @@ impl Pass for Eqsat {
                 }
             }
         }
-        context.statistics.push((WINDOWS, windows));
-        context.statistics.push((OUT_OF_NODES, out_of_nodes));
-        context
-            .statistics
-            .push((OUT_OF_ITERATIONS, out_of_iterations));
-        context.statistics.push((FORMS, forms));
-        context.statistics.push(("windows rewritten", rewritten));
-        context.statistics.push((
+        context.count(WINDOWS, windows);
+        context.count(OUT_OF_NODES, out_of_nodes);
+        context.count(OUT_OF_ITERATIONS, out_of_iterations);
+        context.count(FORMS, forms);
+        context.count("windows rewritten", rewritten);
+        context.count(
             "cycles taken off the longest path",
             (before.0 - best.0).into(),
-        ));
+        );
         Ok(())
     }
 }

@@ -14,9 +14,10 @@ use crate::sums::groups::GroupReach;
 use egg::{EGraph, Id};
 use robovec_analysis::class::NumericClass;
 use robovec_analysis::critical_path::{Weights, arrivals};
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_ir::{
-    Assignment, Function, Input, Level, Machine, Name, Node, Operand, Operation, Output, Shape,
-    SourceSet, Tables,
+    Function, Input, Level, Machine, Name, Node, Operand, Operation, Output, Shape, SourceSet,
+    Tables,
 };
 use robovec_num::random::Random;
 use robovec_rules::RuleSet;
@@ -83,11 +84,8 @@ impl Case {
     }
 
     fn assign(&mut self, output: u32, operand: Operand) {
-        self.function.assignments.push(Assignment {
-            output: Output(output),
-            operand,
-            sources: SourceSet::EMPTY,
-        });
+        self.function
+            .assign(Output(output), operand, SourceSet::EMPTY);
     }
 
     fn operation(
@@ -137,17 +135,14 @@ fn both(case: Case, result: (Operand, Id), weights: &Weights) -> Option<(u32, u3
         times,
         leaves,
     } = case;
-    function.assignments.push(Assignment {
-        output: Output(leaves.len() as u32),
-        operand: result.0,
-        sources: SourceSet::EMPTY,
-    });
+    function.assign(Output(leaves.len() as u32), result.0, SourceSet::EMPTY);
     let mut balanced = function;
+    let rewrites = &RewriteLimit::default();
     for (reach, shape) in [
         (GroupReach::Operation, TreeShape::Written),
         (GroupReach::Maximal, TreeShape::Earliest),
     ] {
-        balanced = reassociate(&balanced, &mut tables, weights, reach, shape);
+        balanced = reassociate(&balanced, &mut tables, weights, reach, shape, rewrites);
     }
     let last = balanced.assignments.last().expect("just pushed").operand;
     let merged = last

@@ -177,7 +177,7 @@ fn rewrite(function: &mut Function, context: &mut Context<'_>, options: &FactorO
     let new = write::write(function, network, &weights, context.tables, context.notes);
     let saved = before.saturating_sub(new.nodes().len());
     *function = new;
-    context.statistics.push(("operations saved", saved as u64));
+    context.count("operations saved", saved as u64);
 }
 
 /// Goal for common factors.

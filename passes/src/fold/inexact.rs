@@ -10,7 +10,7 @@ use crate::specialise::slice::SliceSignature;
 use crate::specialise::write::{NOT_ROUNDED, is_kept, known, write};
 use crate::sums::fused::apart;
 use robovec_framework::pass::Context;
-use robovec_ir::{Assignment, Function, Node, Operand, OperandKind, Operation, View};
+use robovec_ir::{Assignment, Function, Node, Operand, OperandKind, Operation};
 
 /// The function with constants computed, its witness, and the number of
 /// operations removed; `None` when there are none.
@@ -19,7 +19,7 @@ pub(super) fn fold(old: &Function, context: &mut Context<'_>) -> Option<(Functio
     if is_kept(&written, context.tables, context.scene) {
         return (folded > 0).then_some((written.0, written.1, folded));
     }
-    context.remarks.push(NOT_ROUNDED.to_owned());
+    context.remark(NOT_ROUNDED.to_owned());
     None
 }
 
@@ -58,10 +58,7 @@ fn folded(old: &Function, context: &Context<'_>) -> ((Function, Function), u64) 
     });
     let assignments = assignments.collect();
     folder.new.assignments = assignments;
-    let view = View {
-        tables: &*context.tables,
-        function: &folder.new,
-    };
+    let view = context.tables.view(&folder.new);
     let signature = SliceSignature::whole(old);
     (write(view, &signature, &folder.constants), folded)
 }

@@ -73,7 +73,7 @@ impl Pass for Fold {
             *function = result;
             folded += more;
         }
-        context.statistics.push(("operations folded", folded));
+        context.count("operations folded", folded);
         Ok(())
     }
 }

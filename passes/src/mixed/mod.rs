@@ -115,10 +115,7 @@ impl Pass for Mixed {
             0 => (usual_states(function.nodes().len()) / 4).clamp(8, MAX_STATES),
             states => states,
         };
-        let view = View {
-            tables: &*context.tables,
-            function,
-        };
+        let view = context.tables.view(function);
         let sizes = ArraySizes::of(view, context.scene);
         let allowed = Allowed::new(view, context.scene, self.error.0, &sizes);
         let choosing = AccuracyCheck::new(view, &states, [FIRST_CHOSEN, count], &allowed);
@@ -300,7 +297,7 @@ fn tell(
         .collect();
     let widest = assign::uniform_cost(function, formats[formats.len() - 1]);
     let part = assign::cost_of(function, assignment, formats) / widest * 100.0;
-    context.remarks.push(format!(
+    context.remark(format!(
         "values {}; {part:.1} % of the cost of the widest format alone, largest error {:.2} of \
          what is allowed",
         parts.join(", "),
@@ -308,10 +305,6 @@ fn tell(
     ));
     let narrow = counts[0];
     let total: u64 = counts.iter().sum();
-    context
-        .statistics
-        .push(("values in the narrow format", narrow));
-    context
-        .statistics
-        .push(("values in wider formats", total - narrow));
+    context.count("values in the narrow format", narrow);
+    context.count("values in wider formats", total - narrow);
 }

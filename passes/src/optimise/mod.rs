@@ -179,8 +179,8 @@ impl Pass for Optimise {
         let placed = outcome.trials.iter().filter(|trial| trial.cycles.is_some());
         let placed = placed.count() as u64;
         let made = (outcome.trials.len() + outcome.alike) as u64;
-        context.statistics.push(("variants made", made));
-        context.statistics.push(("variants placed", placed));
+        context.count("variants made", made);
+        context.count("variants placed", placed);
         let (taken, notes) = outcome.trials.swap_remove(best).program;
         *context.notes = notes;
         *function = taken;

@@ -26,21 +26,8 @@ pub(crate) enum TreeShape {
     Earliest,
 }
 
-/// Rewrites all groups of a function.
-#[cfg(test)]
+/// Rewrites all groups of a function, with a test before each.
 pub(crate) fn reassociate(
-    function: &Function,
-    tables: &mut Tables,
-    weights: &Weights,
-    reach: GroupReach,
-    shape: TreeShape,
-) -> Function {
-    let rewrites = RewriteLimit::default();
-    reassociate_asking(function, tables, weights, reach, shape, &rewrites)
-}
-
-/// As [`reassociate`], with a test before each group.
-pub(crate) fn reassociate_asking(
     function: &Function,
     tables: &mut Tables,
     weights: &Weights,

@@ -18,6 +18,4 @@ mod share;
 mod signs;
 mod tree;
 
-#[cfg(test)]
-pub(crate) use build::reassociate;
-pub(crate) use build::{TreeShape, reassociate_asking};
+pub(crate) use build::{TreeShape, reassociate};

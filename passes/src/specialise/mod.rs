@@ -26,7 +26,7 @@ use robovec_framework::declare_pass;
 use robovec_framework::pass::{Context, Gives, Pass, PassError};
 use robovec_framework::rewrite::{lay_out, without_dead};
 use robovec_framework::scene::Scene;
-use robovec_ir::{Function, Level, View};
+use robovec_ir::{Function, Level};
 use slice::SliceSignature;
 
 declare_pass! {
@@ -60,19 +60,13 @@ impl Pass for Specialise {
     fn run(&self, function: &mut Function, context: &mut Context<'_>) -> Result<(), PassError> {
         let empty = Scene::default();
         let scene = context.scene.unwrap_or(&empty);
-        let view = View {
-            tables: context.tables,
-            function,
-        };
+        let view = context.tables.view(function);
         let (sliced, [outputs, unneeded]) = slice::needed(view, scene);
-        let view = View {
-            tables: context.tables,
-            function: &sliced,
-        };
+        let view = context.tables.view(&sliced);
         let mut bound = scene.bound.of(view);
         let known = count(&bound);
         match support::without_influence(view, &bound, scene) {
-            None => context.remarks.push(support::TOO_LARGE.to_owned()),
+            None => context.remark(support::TOO_LARGE.to_owned()),
             Some(idle) => {
                 context.remarks.extend(support::remark(view, &idle));
                 for (place, number) in idle {
@@ -88,7 +82,7 @@ impl Pass for Specialise {
         } = if write::is_kept(&made.written, context.tables, context.scene) {
             made
         } else {
-            context.remarks.push(write::NOT_ROUNDED.to_owned());
+            context.remark(write::NOT_ROUNDED.to_owned());
             specialised(&sliced, context, &bound, KnownNumbers::exact())
         };
         let inputs = function.inputs().len() - result.inputs().len();
@@ -136,10 +130,7 @@ fn specialised(
     if numbered.level == Level::Equations {
         numbered = lay_out(&numbered);
     }
-    let view = View {
-        tables: context.tables,
-        function: &numbered,
-    };
+    let view = context.tables.view(&numbered);
     let signature = SliceSignature::of(view);
     SpecialisedFunction {
         written: write::write(view, &signature, &constants),

@@ -34,7 +34,7 @@ impl Trigonometry {
             .metadata
             .push((KEY.to_owned(), implementation.to_string()));
         let cost = unit.cost();
-        context.remarks.push(format!(
+        context.remark(format!(
             "{count} sines and cosines before the run by {implementation}: an error of at most \
              {:.2e} for angles below 2^50, about {} cycles each, {} bits of tables",
             unit.proved_error(),

@@ -50,7 +50,7 @@ pub(super) fn tell(
             "; {} and {cycles} cycles each",
             plural(recipe.operations(), "operation")
         );
-        context.remarks.push(text);
+        context.remark(text);
     }
     for (reason, known) in [
         ("of unknown range", false),
@@ -63,9 +63,7 @@ pub(super) fn tell(
         let left = left.count();
         if left > 0 {
             let angles = plural(left, "angle");
-            context
-                .remarks
-                .push(format!("{angles} {reason} left to the host"));
+            context.remark(format!("{angles} {reason} left to the host"));
         }
     }
 }

@@ -218,10 +218,7 @@ mod tests {
             ..GenerationRequest::new(FunctionKind::Dirdyna)
         };
         let module = generate(&model, &request).expect("a tree has direct dynamics");
-        let view = View {
-            tables: &module.tables,
-            function: &module.functions[0],
-        };
+        let view = module.tables.view(&module.functions[0]);
         let question = BenchQuestion {
             name: String::new(),
             view,

@@ -352,10 +352,7 @@ mod tests {
     ) -> BenchQuestion<'a> {
         BenchQuestion {
             name: task.name().to_owned(),
-            view: View {
-                tables: &module.tables,
-                function: &module.functions[0],
-            },
+            view: module.tables.view(&module.functions[0]),
             model: Some(model),
             has_loads,
             states,

@@ -12,7 +12,7 @@ use robovec_analysis::rounding::usual_states;
 use robovec_error::accuracy::outputs::{self, OutputLine};
 use robovec_error::accuracy::{self, FunctionAccuracy, Options};
 use robovec_ir::states::States;
-use robovec_ir::{Format, Input, Module, View};
+use robovec_ir::{Format, Input, Module};
 use robovec_num::hexadecimal;
 use robovec_present::json::json_text;
 use std::fmt::Write;
@@ -151,10 +151,7 @@ fn state_text(module: &Module, states: &States, state: u32) -> String {
     let mut text = format!("# state {state} of seed {}\nstate\n", states.seed());
     let mut seen: Vec<String> = Vec::new();
     for function in &module.functions {
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         let numbers = states.draw(view, state);
         let first = seen.len();
         for (place, number) in numbers.into_iter().enumerate() {

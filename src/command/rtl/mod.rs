@@ -128,10 +128,7 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
     let asked = arguments.machine.as_deref();
     let (module, machine, scene) = program(arguments, asked.map(input::machine).transpose()?)?;
     let function = only_function(&module)?;
-    let view = View {
-        tables: &module.tables,
-        function,
-    };
+    let view = module.tables.view(function);
     let choice = match arguments.crossbar {
         CrossbarExtent::Full => CrossbarChoice::Full,
         CrossbarExtent::Pruned => CrossbarChoice::Pruned,
@@ -165,10 +162,7 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
 fn fits(arguments: &RtlArguments, hardware: &Hardware) -> Result<String, CommandFailure> {
     let (module, _, scene) = program(arguments, Some(hardware.machine.clone()))?;
     let function = only_function(&module)?;
-    let view = View {
-        tables: &module.tables,
-        function,
-    };
+    let view = module.tables.view(function);
     let fit = rtl::fits(view, hardware).map_err(|error| failure(&error))?;
     if !fit.reasons.is_empty() {
         return Err(CommandFailure::advised(

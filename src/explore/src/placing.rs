@@ -1,7 +1,7 @@
 //! Placing one program on machines with other numbers of elements.
 
 use robovec_ir::placement::Schedule;
-use robovec_ir::{Function, Machine, Module, Operation, View, verify};
+use robovec_ir::{Function, Machine, Module, Operation, verify};
 use robovec_schedule::{
     PlaceError, PlaceOptions, PlaceSummary, PlacementStatistics, most_memory_words, place,
     placement_statistics,
@@ -67,10 +67,7 @@ pub fn verified(
     options: PlaceOptions,
 ) -> Result<PlacedFunction, String> {
     let placed = placed(module, machine, options).map_err(|error| error.to_string())?;
-    let view = View {
-        tables: &module.tables,
-        function: &placed.function,
-    };
+    let view = module.tables.view(&placed.function);
     match verify::verify_placement(view, machine).first() {
         Some(violation) => {
             let message = &violation.message;

@@ -43,10 +43,7 @@ pub enum ExplorationError {
 
 /// The first function of a module, with its tables.
 pub fn view(module: &Module) -> View<'_> {
-    View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    }
+    module.tables.view(&module.functions[0])
 }
 
 /// Module that a pipeline makes of a module, for a scene or in general. Remarks

@@ -138,10 +138,7 @@ pub fn measure(
             for ((effect, function), exact) in
                 effects.iter_mut().zip(&replaced.functions).zip(&exact)
             {
-                let view = View {
-                    tables: &replaced.tables,
-                    function,
-                };
+                let view = replaced.tables.view(function);
                 let path = critical_path(function, &machine).asap_cycle;
                 let counts = robovec_ir::count::Counts::of(function);
                 effect.rows.push(TrigonometryRow {

@@ -7,8 +7,7 @@
 
 use robovec_ir::parenthesised::Forest;
 use robovec_ir::{
-    Assignment, FreshNames, Function, Input, Name, Node, Operand, Operation, Output, SourceSet,
-    Symbol, Tables,
+    FreshNames, Function, Input, Name, Node, Operand, Operation, Output, SourceSet, Symbol, Tables,
 };
 use robovec_robotran::{LineIndex, SourceSpan};
 
@@ -100,11 +99,7 @@ impl Terms {
             Operand::NONE => self.tree(result, Name::NONE, sources, function),
             defined => defined,
         };
-        function.assignments.push(Assignment {
-            output: Output(0),
-            operand,
-            sources,
-        });
+        function.assign(Output(0), operand, sources);
     }
 
     /// Writes the operations of a term, the last one under a name.

@@ -5,8 +5,8 @@
 //! cleared. The union of both signatures lets the two be compared as functions.
 
 use robovec_ir::{
-    Array, Assignment, Function, Input, Operand, OperandKind, Output, Shape, SourceSet, Symbol,
-    Tables, Value, places_by_name,
+    Array, Function, Input, Operand, OperandKind, Output, Shape, SourceSet, Symbol, Tables, Value,
+    places_by_name,
 };
 
 /// A name and an extent.
@@ -129,11 +129,7 @@ fn clear(function: &mut Function, outputs: &[Output]) {
                 Some(operand) => operand,
                 None => function.constant(0.0).into(),
             };
-            function.assignments.push(Assignment {
-                output,
-                operand,
-                sources: SourceSet::EMPTY,
-            });
+            function.assign(output, operand, SourceSet::EMPTY);
         }
     }
     function.sort_assignments();

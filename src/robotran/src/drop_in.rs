@@ -62,10 +62,7 @@ pub fn drop_in(
         if options.write.zeros {
             set_zeros(&mut function);
         }
-        let view = View {
-            tables: &module.tables,
-            function: &function,
-        };
+        let view = module.tables.view(&function);
         match files(view, &options.c) {
             Ok(files) => {
                 written.extend(files.clone());
@@ -84,10 +81,10 @@ pub fn drop_in(
         written.extend(write(&rest, Language::C, &options.write)?);
     }
     if options.test_main {
-        let views = module.functions.iter().map(|function| View {
-            tables: &module.tables,
-            function,
-        });
+        let views = module
+            .functions
+            .iter()
+            .map(|function| module.tables.view(function));
         written.push(minimal_data(views));
     }
     if written.is_empty() {

@@ -19,7 +19,7 @@ use robovec_dynamics::motion::{EquationSetting, MotionEquations};
 use robovec_error::adversary::{SearchSubject, largest_errors};
 use robovec_ir::print::print_module;
 use robovec_ir::states::States;
-use robovec_ir::{Format, Module, View};
+use robovec_ir::{Format, Module};
 use robovec_model::{JointKind, Model};
 use robovec_robotran::FunctionKind;
 use std::f64::consts::{PI, TAU};
@@ -55,10 +55,7 @@ pub fn of_model(model: &Model) -> Result<Vec<StressCase>, StressError> {
 /// The cases of a function with a range for every input: random states, and
 /// those of the largest errors in binary32 that a search finds.
 pub fn of_function(module: &Module, states: &States) -> Vec<StressCase> {
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let ranges = input_ranges(view, states).into_iter();
     let ranges: Vec<_> = ranges.map(|range| range.range).collect();
     let subject = SearchSubject {

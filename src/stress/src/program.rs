@@ -11,7 +11,7 @@ use robovec_ir::cost::{OperationWork, function_cost};
 use robovec_ir::evaluate::{evaluate_mixed, evaluate_nodes};
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::Ranges;
-use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output, View};
+use robovec_ir::{Format, Function, Input, Machine, Module, Operand, Output};
 use robovec_model::Model;
 use robovec_num::NumberFormat;
 use robovec_num::arithmetic::Binary64;
@@ -81,10 +81,7 @@ impl ModelProgram {
             let Some(function) = module.functions.last() else {
                 return Err(StressError::Passes("no function was left".to_owned()));
             };
-            let view = View {
-                tables: &module.tables,
-                function,
-            };
+            let view = module.tables.view(function);
             InputSources::new(model, view).map_err(StressError::Passes)
         };
         let inputs = sources(&module)?;

@@ -1,9 +1,7 @@
 //! Measures on functions whose errors are known.
 
 use super::*;
-use robovec_ir::{
-    Assignment, Function, Input, Level, Name, Node, Operand, Operation, SourceSet, Tables,
-};
+use robovec_ir::{Function, Input, Level, Name, Node, Operand, Operation, SourceSet, Tables};
 
 /// Inputs `x[1..2]`, outputs `y[1..length]` and the scalars `z` and `w`.
 fn function(tables: &mut Tables, length: u32) -> Function {
@@ -26,11 +24,11 @@ fn push(function: &mut Function, operation: Operation, a: Operand, b: Operand) -
 }
 
 fn assign(function: &mut Function, operand: Operand) {
-    function.assignments.push(Assignment {
-        output: Output(function.assignments.len() as u32),
+    function.assign(
+        Output(function.assignments.len() as u32),
         operand,
-        sources: SourceSet::EMPTY,
-    });
+        SourceSet::EMPTY,
+    );
 }
 
 fn measured(view: View<'_>, count: u32) -> Accuracy {
@@ -47,10 +45,7 @@ fn one_rounding_costs_at_most_half_an_ulp_and_a_copy_nothing() {
     let product = push(&mut function, Operation::Mul, a, b);
     assign(&mut function, product);
     assign(&mut function, a);
-    let view = View {
-        tables: &tables,
-        function: &function,
-    };
+    let view = tables.view(&function);
     let accuracy = measured(view, 40);
     let narrow = &accuracy.formats[0];
     let product = narrow.elements[0];
@@ -78,10 +73,7 @@ fn cancellation_overflow_and_undefined_values_show() {
     assign(&mut function, square);
     let undefined = push(&mut function, Operation::Div, b, zero);
     assign(&mut function, undefined);
-    let view = View {
-        tables: &tables,
-        function: &function,
-    };
+    let view = tables.view(&function);
     let accuracy = measured(view, 5);
     let errors = |format: &FormatAccuracy| {
         let worst = |index: usize| format.elements[index].relative.worst;
@@ -111,10 +103,7 @@ fn an_element_that_vanishes_has_no_relative_error() {
     let nothing = push(&mut function, Operation::Sub, quotient, thirds);
     assign(&mut function, nothing);
     assign(&mut function, a);
-    let view = View {
-        tables: &tables,
-        function: &function,
-    };
+    let view = tables.view(&function);
     let accuracy = measured(view, 40).formats[0].clone();
     let element = accuracy.elements[0];
     assert!(element.vanishing > 0 && element.vanishing < 40);
@@ -148,10 +137,7 @@ fn what_cancels_has_a_small_mixed_error_and_a_large_condition() {
     let raised = push(&mut function, Operation::Add, a, large);
     let lowered = push(&mut function, Operation::Sub, raised, large);
     assign(&mut function, lowered);
-    let view = View {
-        tables: &tables,
-        function: &function,
-    };
+    let view = tables.view(&function);
     let measurement = Measurement {
         effort: ReferenceEffort::Certified,
         sensitivities: true,
@@ -187,10 +173,7 @@ fn numbers_at_the_ends_of_the_range_are_counted() {
     assign(&mut function, small);
     let large = push(&mut function, Operation::Mul, a, huge);
     assign(&mut function, large);
-    let view = View {
-        tables: &tables,
-        function: &function,
-    };
+    let view = tables.view(&function);
     let accuracy = measured(view, 10);
     let [narrow, wide] = [0, 1].map(|index| &accuracy.formats[index]);
     assert_eq!(narrow.elements[0].subnormal, 10);
@@ -209,10 +192,7 @@ fn symmetric_matrices_have_their_condition_number() {
       M[2,2] = 2
     }";
     let module = robovec_ir::parse::parse_module("f", text).expect("it is sound");
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let measurement = Measurement {
         condition_work: 1000,
         ..Measurement::default()

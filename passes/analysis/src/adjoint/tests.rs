@@ -4,7 +4,7 @@ use super::*;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
 use robovec_ir::value_formats::ValueFormats;
-use robovec_ir::{Format, Module, Value, View};
+use robovec_ir::{Format, Module, Value};
 use robovec_num::arithmetic::{Arithmetic, Binary32};
 
 const EVERYTHING: &str = "function f atomic {
@@ -101,10 +101,7 @@ fn adjoints_of_inner_values_are_products_along_paths() {
 #[test]
 fn secants_predict_the_error_to_the_last_digits_and_bounds_hold() {
     let module = module(EVERYTHING);
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let tape = Tape::new(view.function);
     let outputs: Vec<usize> = (0..tape.outputs()).collect();
     let states = States::new(3);
@@ -276,10 +273,7 @@ fn blame_goes_to_the_operation_that_cancels() {
   y[1] = %small
 }",
     );
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let tape = Tape::new(view.function);
     let factor = f64::from(1000.1f32);
     let square = f64::from((factor * factor) as f32);
@@ -310,10 +304,7 @@ fn values_in_formats_of_their_own_are_predicted_too() {
         formats.set(Value(node), Some(narrow));
     }
     function.formats = Some(formats);
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let tape = Tape::new(view.function);
     for state in 0..100 {
         let inputs = States::new(4).draw(view, state);
@@ -382,10 +373,7 @@ fn worst_luck(tape: &Tape, inputs: &[f64], output: usize) -> f64 {
 #[test]
 fn worst_luck_reaches_the_bound_and_exceeds_it_by_little() {
     let module = module(EVERYTHING);
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let tape = Tape::new(view.function);
     let mut ratios = Vec::new();
     for state in 0..2000 {

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::adjoint::AdjointRun;
+use robovec_ir::Module;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::{Ranges, States};
-use robovec_ir::{Module, View};
 use std::sync::Arc;
 
 const SAMPLE: &str = "function f equations {
@@ -49,10 +49,7 @@ fn windows_are_cut_off_behind_everything_they_leave_out() {
 #[test]
 fn errors_and_values_stay_inside_for_every_state_and_format() {
     let module = module(SAMPLE);
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let tape = Tape::new(view.function);
     let mut ranges = Ranges::default();
     for index in 1..=3 {
@@ -181,10 +178,7 @@ fn operations_that_compute_the_same_are_one() {
 #[test]
 fn assumed_ranges_are_said_to_be() {
     let module = module(SAMPLE);
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let tape = Tape::new(view.function);
     let leaves = Leaves::new(view, &tape, &States::new(1), 16);
     let root = tape.output_slot(1);

@@ -1,9 +1,9 @@
 //! The three efforts against each other, and balls against the truth.
 
 use super::*;
+use robovec_ir::Module;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
-use robovec_ir::{Module, View};
 
 fn module(body: &str, outputs: u32) -> Module {
     let text = format!("function f atomic {{\n  in x[1..4]\n  out y[1..{outputs}]\n{body}}}\n");
@@ -11,10 +11,7 @@ fn module(body: &str, outputs: u32) -> Module {
 }
 
 fn states(module: &Module, count: u32) -> Vec<Vec<f64>> {
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     (0..count)
         .map(|state| States::new(5).draw(view, state))
         .collect()

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::adjoint::AdjointRun;
+use robovec_ir::Module;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
-use robovec_ir::{Module, View};
 use robovec_num::arithmetic::Binary32;
 
 fn module(text: &str) -> Module {
@@ -84,10 +84,7 @@ fn three_sigma_hold_almost_always_and_sigma_is_no_waste() {
   c[4] = (q[1] + q[2] + q[3] + q[4] + q[5])/(3.0 + cos(q[6]))
 }",
     );
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let tape = Tape::new(view.function);
     let slots: Vec<usize> = (0..tape.outputs()).map(|i| tape.output_slot(i)).collect();
     let (mut beyond, mut total, mut squares) = (0u32, 0u32, 0.0);

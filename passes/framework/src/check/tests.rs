@@ -5,8 +5,8 @@ mod poles;
 use super::*;
 use robovec_ir::states::{Ranges, States};
 use robovec_ir::{
-    Assignment, Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet, Tables,
-    Value, ValueFormats,
+    Function, Input, Level, Name, Node, Operand, Operation, Shape, SourceSet, Tables, Value,
+    ValueFormats,
 };
 use std::sync::Arc;
 
@@ -53,18 +53,12 @@ impl Builder {
     }
 
     fn output(&mut self, number: u32, operand: Operand) {
-        self.function.assignments.push(Assignment {
-            output: Output(number - 1),
-            operand,
-            sources: SourceSet::EMPTY,
-        });
+        self.function
+            .assign(Output(number - 1), operand, SourceSet::EMPTY);
     }
 
     fn view(&self) -> View<'_> {
-        View {
-            tables: &self.tables,
-            function: &self.function,
-        }
+        self.tables.view(&self.function)
     }
 }
 

@@ -9,7 +9,7 @@ use super::RunError;
 use crate::pass::Gives;
 use crate::pipeline::{Pipeline, PipelineStep};
 use robovec_ir::verify::verify_placement;
-use robovec_ir::{Level, Machine, Module, View};
+use robovec_ir::{Level, Machine, Module};
 
 /// Refuses schedules of another machine and placements that are wrong, unless
 /// the first pass makes them again.
@@ -53,10 +53,7 @@ pub fn check_schedules(module: &Module, machine: &Machine) -> Result<(), RunErro
         if function.level != Level::Placed {
             continue;
         }
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         let found = verify_placement(view, machine).into_iter();
         let violations: Vec<String> = found.map(|violation| violation.message).collect();
         if !violations.is_empty() {

@@ -104,6 +104,16 @@ impl Context<'_> {
         self.notes.note(name, rule);
     }
 
+    /// Adds a count to the statistics of the pass.
+    pub fn count(&mut self, name: &'static str, value: u64) {
+        self.statistics.push((name, value));
+    }
+
+    /// Adds a finding for the user, one line.
+    pub fn remark(&mut self, text: String) {
+        self.remarks.push(text);
+    }
+
     /// Tests whether the value of this name may be rewritten by this rule:
     /// called before every rewrite, so that the one that breaks a function can
     /// be found ([`RewriteLimit::allow`]).

@@ -23,7 +23,7 @@ pub use witness::Witness;
 
 use crate::manager::difference;
 use crate::pipeline::Pipeline;
-use robovec_ir::{Module, View, print};
+use robovec_ir::{Module, print};
 use std::fmt;
 use trial::Case;
 
@@ -148,12 +148,7 @@ fn effect(
     let (Some(function), Some(before)) = (new.functions.first(), old.functions.first()) else {
         return (None, None);
     };
-    let text = |module: &Module, function| {
-        print::print_function(View {
-            tables: &module.tables,
-            function,
-        })
-    };
+    let text = |module: &Module, function| print::print_function(module.tables.view(function));
     let lines = difference(&text(&old, before), &text(&new, function));
     let witness = witness::find(&new.tables, &case.function, function);
     (Some(lines), witness)

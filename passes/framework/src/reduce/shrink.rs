@@ -8,7 +8,7 @@
 
 use super::edit::{Edit, Fate};
 use super::trial::{Case, PassProblem, TrialSetting};
-use robovec_ir::{Function, Value, View, verify};
+use robovec_ir::{Function, Value, verify};
 
 /// The effort spent.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -86,10 +86,7 @@ impl Shrinker<'_> {
         }
         self.effort.trials += 1;
         self.effort.work += work as u64;
-        let view = View {
-            tables: &smaller.tables,
-            function: &smaller.function,
-        };
+        let view = smaller.tables.view(&smaller.function);
         let shows =
             verify::verify(view).is_empty() && smaller.shows(self.problem, self.setting, None);
         if shows {

@@ -2,7 +2,7 @@
 //! function before a pass and the one after it differ.
 
 use robovec_ir::evaluate::evaluate;
-use robovec_ir::{Function, Input, Operand, Tables, View, print};
+use robovec_ir::{Function, Input, Operand, Tables, print};
 use robovec_num::arithmetic::Binary64;
 use std::fmt;
 
@@ -32,10 +32,7 @@ pub(super) fn find(tables: &Tables, before: &Function, after: &Function) -> Opti
         let old = evaluate(before, &Binary64, &inputs);
         let new = evaluate(after, &Binary64, &inputs);
         let place = (0..old.len()).find(|&place| differ(old[place], new[place]))?;
-        let view = View {
-            tables,
-            function: before,
-        };
+        let view = tables.view(before);
         Some(Witness {
             inputs: (0..)
                 .map(Input)

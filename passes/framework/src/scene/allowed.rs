@@ -245,10 +245,7 @@ mod tests {
     /// The usual sizes of the arrays of a function in text form.
     fn sizes(text: &str) -> ArraySizes {
         let module = parse::parse_module("sizes.rvir", text).expect("it is a module");
-        let view = View {
-            tables: &module.tables,
-            function: &module.functions[0],
-        };
+        let view = module.tables.view(&module.functions[0]);
         ArraySizes::of(view, None)
     }
 

@@ -226,10 +226,7 @@ mod tests {
         let mut function = Function::new("sample", Level::Equations);
         function.add_input(tables.symbols.intern("q"), Shape::Vector(3));
         function.add_input(tables.symbols.intern("g"), Shape::Vector(3));
-        let view = View {
-            tables: &tables,
-            function: &function,
-        };
+        let view = tables.view(&function);
         let mut scene = Scene::default();
         scene.ranges.set("q", [2, 0], -0.05, 0.05);
         scene.bound.set("g", [3, 0], -9.81);

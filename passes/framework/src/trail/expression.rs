@@ -89,10 +89,7 @@ impl<'a> ExpressionSketch<'a> {
             operands: Operand::list([operand]),
             operation: Operation::Copy,
         });
-        let view = View {
-            tables: self.view.tables,
-            function: &self.function,
-        };
+        let view = self.view.tables.view(&self.function);
         let printed = print_definition(view, top);
         let (_, expression) = printed
             .split_once(" = ")

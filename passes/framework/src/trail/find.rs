@@ -77,10 +77,7 @@ fn advice(module: &Module, trail: &Trail, text: &str) -> String {
     let symbols = &module.tables.symbols;
     let mut names: Vec<String> = Vec::new();
     for function in &module.functions {
-        let view = View {
-            tables: &module.tables,
-            function,
-        };
+        let view = module.tables.view(function);
         let outputs = function.assignments.iter();
         names.extend(outputs.map(|assignment| print_output(view, assignment.output)));
         let stages = trail.of(&function.name);

@@ -6,9 +6,9 @@ use robovec_analysis::interval::{
     ConeWindow, GivenData, Leaves, USUAL, WindowLeaves, input_ranges, largest_seen, subdivide,
 };
 use robovec_analysis::norms::norm_bounds;
+use robovec_ir::Format;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::{Ranges, States};
-use robovec_ir::{Format, View};
 use robovec_num::interval::Interval;
 use robovec_num::random::Random;
 use std::fmt::Write;
@@ -75,10 +75,7 @@ fn attack(formulas: usize, states: u64, boxes: usize) -> (usize, u64, f64) {
     for _ in 0..formulas {
         let (text, ranges) = formula(&mut random);
         let module = parse_module("random", &text).expect("it is well formed");
-        let view = View {
-            tables: &module.tables,
-            function: &module.functions[0],
-        };
+        let view = module.tables.view(&module.functions[0]);
         let tape = Tape::new(view.function);
         let drawn = States::new(1).within(Arc::new(ranges));
         let leaves = Leaves::new(view, &tape, &drawn, 0);

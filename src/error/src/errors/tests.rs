@@ -4,7 +4,7 @@ use super::*;
 use robovec_analysis::interval::GivenData;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
-use robovec_ir::{Format, Module, View};
+use robovec_ir::{Format, Module};
 
 fn module() -> Module {
     let text = "source 0 \"f.c\"
@@ -39,10 +39,7 @@ fn settings(methods: &[ErrorMethod], format: &str) -> ErrorSettings {
 #[test]
 fn all_methods_agree_with_the_error() {
     let module = module();
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let all = [
         ErrorMethod::Proof,
         ErrorMethod::Bound,
@@ -87,10 +84,7 @@ fn all_methods_agree_with_the_error() {
 #[test]
 fn a_proof_is_printed_alone_or_before_the_state() {
     let module = module();
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let shown = |methods: &[ErrorMethod], format| {
         let table = ErrorTable::measure(view, &settings(methods, format));
         text(&table.expect("nothing is sampled"))
@@ -116,10 +110,7 @@ fn a_proof_is_printed_alone_or_before_the_state() {
 #[test]
 fn a_narrow_format_blames_inputs_and_a_wide_one_cannot_be_sampled() {
     let module = module();
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let table = ErrorTable::measure(view, &settings(&[], "f16")).expect("nothing is sampled");
     assert!(!table.heat.inputs.is_empty() && table.heat.literals > 0.0);
     assert!(text(&table).contains("which it cannot hold"));

@@ -10,6 +10,7 @@ use robovec_dynamics::generate::{
 use robovec_error::yardstick::input_names;
 use robovec_framework::check::{CheckVerdict, Specialised, check, check_specialised};
 use robovec_framework::rewrite::remove_dead;
+use robovec_framework::rewrite_limit::RewriteLimit;
 use robovec_framework::scene::Scene;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
@@ -233,7 +234,7 @@ fn with_outputs(given: &Module, module: &mut Module) -> Result<bool, String> {
         return Ok(false);
     }
     // An expression without a name belongs to what is set to it.
-    if let Some((live, _)) = remove_dead(function) {
+    if let Some((live, _)) = remove_dead(function, &RewriteLimit::default()) {
         *function = live;
     }
     let zero = function.constant(0.0);

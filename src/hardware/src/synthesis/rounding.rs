@@ -3,9 +3,9 @@
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
 use robovec_error::yardstick::{Unmeasurable, Yardstick};
 use robovec_fpga::rtl::cores::OperatorCore;
+use robovec_ir::Format;
 use robovec_ir::parse::parse_module;
 use robovec_ir::states::States;
-use robovec_ir::{Format, View};
 
 /// The seed of the states, and their number.
 const SEED: u64 = 1;
@@ -30,10 +30,7 @@ pub fn operator_error(core: OperatorCore, format: Format) -> Result<ErrorAccount
     let text =
         format!("function f atomic {{\n  in m[1..3]\n  out y\n  %y1 = {value}\n  y = %y1\n}}\n");
     let module = parse_module("operator", &text).expect("one operation is a function");
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let yardstick = Yardstick::new(view, &States::new(SEED), STATES);
     let states = random_states(yardstick.len(), SEED, false);
     ErrorAccount::measured(view, &yardstick, format, states)

@@ -9,7 +9,7 @@ use crate::explain::refusal;
 use crate::syntax::{LeafKind, SyntaxLeaf};
 use crate::token::SourceSpan;
 use robovec_ir::diagnostic::{Diagnostic, Label};
-use robovec_ir::{Assignment, Boundary, Operand, Output, Shape, SourceSet, Symbol};
+use robovec_ir::{Boundary, Operand, Output, Shape, SourceSet, Symbol};
 
 impl FunctionEmitter<'_, '_, '_> {
     /// Turns the call of a user function into a boundary.
@@ -96,11 +96,7 @@ impl FunctionEmitter<'_, '_, '_> {
             self.both_scalar_and_array(symbol);
         }
         let array = self.function.add_output(symbol, Shape::Scalar);
-        self.function.assignments.push(Assignment {
-            output: Output(array.offset),
-            operand,
-            sources,
-        });
+        self.function.assign(Output(array.offset), operand, sources);
     }
 
     /// The input that holds the result of a call.

@@ -167,10 +167,7 @@ impl ModuleReport {
         options: &ReportOptions,
     ) -> ModuleReport {
         let describe = |function: &Function| {
-            let view = View {
-                tables: &module.tables,
-                function,
-            };
+            let view = module.tables.view(function);
             FunctionReport::collect(view, machine, passes, options)
         };
         ModuleReport {

@@ -10,7 +10,7 @@ use robovec_ir::placement::{
 };
 use robovec_ir::states::States;
 use robovec_ir::{
-    Assignment, Boundary, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
+    Boundary, Input, Level, Name, Node, Operand, Operation, Output, Shape, SourceSet,
 };
 
 /// `y[1] = (0 - q[1]*q[2]) + q[1]`, `y[2] = sin(q[2])`, on one adder and one
@@ -47,11 +47,7 @@ fn sample() -> Module {
     let minus = push("N", Operation::Sub, [zero, product]);
     let sum = push("A", Operation::Add, [minus, a]);
     for (index, operand) in [sum, sine].into_iter().enumerate() {
-        function.assignments.push(Assignment {
-            output: Output(index as u32),
-            operand,
-            sources: SourceSet::EMPTY,
-        });
+        function.assign(Output(index as u32), operand, SourceSet::EMPTY);
     }
     place(&mut function, [a, b, zero]);
     module.functions.push(function);
@@ -111,10 +107,7 @@ fn place(function: &mut Function, [a, b, zero]: [Operand; 3]) {
 fn report() -> ModuleReport {
     let module = sample();
     let machine = Machine::built_in("thesis").expect("it ships");
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
+    let view = module.tables.view(&module.functions[0]);
     let record = |name: &str, verdict| PassRunRecord {
         function: "sample".to_owned(),
         name: name.to_owned(),

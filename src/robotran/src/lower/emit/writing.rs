@@ -5,7 +5,7 @@ use crate::Language;
 use crate::explain::refusal;
 use crate::lower::scan::{READ_BACK, REWRITTEN};
 use crate::token::RobotranName;
-use robovec_ir::{Assignment, Name, Node, Operand, Operation, Output, SourceSet, Symbol, Value};
+use robovec_ir::{Name, Node, Operand, Operation, Output, SourceSet, Symbol, Value};
 
 impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
     pub(super) fn set_definition(&mut self, symbol: Symbol, operand: Operand) {
@@ -93,11 +93,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         sources: SourceSet,
     ) {
         if let Some(output) = self.plain_output(slot) {
-            self.function.assignments.push(Assignment {
-                output,
-                operand,
-                sources,
-            });
+            self.function.assign(output, operand, sources);
             return;
         }
         let (array, indices, rank) = self.storage.element(slot);
@@ -131,11 +127,11 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
                 }));
             }
             if let Some(root) = root {
-                self.function.assignments.push(Assignment {
+                self.function.assign(
                     output,
-                    operand: Operand::from(root),
-                    sources: self.function.node(root).sources,
-                });
+                    Operand::from(root),
+                    self.function.node(root).sources,
+                );
             }
         }
     }
@@ -149,11 +145,11 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
             let operand = self.elements[slot as usize];
             if let (Some(output), Some(node)) = (self.outputs[number], operand.value()) {
                 let sources = self.function.node(node).sources;
-                self.function.assignments.push(Assignment {
-                    output: Output(output.offset + (slot - array.offset)),
+                self.function.assign(
+                    Output(output.offset + (slot - array.offset)),
                     operand,
                     sources,
-                });
+                );
             }
         }
         if let Some(crossing) = self.crossing {
