@@ -16,6 +16,7 @@ use robovec_num::double_double::{Double, DoubleDoubleLanes, DoubleLanes};
 use robovec_num::interval::Interval;
 use robovec_num::random::{mix, unit};
 use robovec_num::soft_float::{FormatArithmetic, FormatLanes};
+use robovec_num::trigonometry::host::TrigonometricUnit;
 
 /// Maximum number of bits of a format whose rounding errors are at least four
 /// million times those of binary64.
@@ -29,6 +30,8 @@ pub struct QuickYardstick<'a> {
     format: Format,
     /// `None` for a program that fixes how its values are computed.
     plan: Option<EvaluationPlan>,
+    /// The unit for sines and cosines that the program names, with its plan.
+    unit: Option<(TrigonometricUnit, EvaluationPlan)>,
     inputs: Vec<usize>,
     rows: Vec<ExactPlace>,
     /// `None` where errors are absolute.
@@ -85,8 +88,16 @@ impl<'a> QuickYardstick<'a> {
         let reference = EvaluationPlan::new(function.function);
         let literals = reference.literals().iter();
         let names = Yardstick::at(function, Vec::new());
-        let fixed =
-            program.function.formats.is_some() || program.function.trigonometry_unit().is_some();
+        let is_mixed = program.function.formats.is_some();
+        let unit = program
+            .function
+            .trigonometry_unit()
+            .filter(|_| !is_mixed)
+            .map(|unit| {
+                let unit = unit.expect("the verifier accepts only names of units");
+                (unit, EvaluationPlan::new(program.function))
+            });
+        let fixed = is_mixed || unit.is_some();
         let bits = match format {
             Format::Float(float) => float.mantissa,
             Format::Fixed(fixed) => fixed.integer + fixed.fraction,
@@ -98,6 +109,7 @@ impl<'a> QuickYardstick<'a> {
             program,
             format,
             plan: (!fixed).then(|| EvaluationPlan::new(program.function)),
+            unit,
             inputs: names.input_places(program)?,
             rows: names.rows(program)?,
             allowed: None,
@@ -226,6 +238,11 @@ impl<'a> QuickYardstick<'a> {
     fn computed(&self, states: &[Vec<f64>], memory: &mut Vec<[f64; LANES]>) -> Vec<[f64; LANES]> {
         let pick = |state: &Vec<f64>| self.inputs.iter().map(|&place| state[place]).collect();
         let states: Vec<Vec<f64>> = states.iter().map(pick).collect();
+        let single = FormatArithmetic::new(self.format);
+        if let Some((unit, plan)) = &self.unit {
+            let inputs = gathered(&states, |number| single.convert(number));
+            return plan.run(&Batch([unit.within(single); LANES]), &inputs, memory);
+        }
         let Some(plan) = &self.plan else {
             let rows = results(self.program, self.format, &states);
             let outputs = 0..self.rows.len();
@@ -235,7 +252,6 @@ impl<'a> QuickYardstick<'a> {
                 })
                 .collect();
         };
-        let single = FormatArithmetic::new(self.format);
         let inputs = gathered(&states, |number| single.convert(number));
         plan.run(&FormatLanes::<LANES>(single), &inputs, memory)
     }
