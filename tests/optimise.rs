@@ -166,15 +166,18 @@ fn effort_is_never_worse_and_threads_change_nothing() {
     let file = "examples/suspension/mbs_dirdyna_suspension.m";
     let mut known = u64::MAX;
     for effort in ["--effort=1", "--effort=2", "--effort=4"] {
-        let one = optimised(&[file, effort, "--elements=16", "--jobs=1", "--states=16"]);
-        let three = optimised(&[file, effort, "--elements=16", "--jobs=3", "--states=16"]);
-        for name in [
-            "program.rvir",
-            "optimise.json",
-            "optimise.html",
-            "commands.txt",
-        ] {
-            assert_eq!(read(one.path(), name), read(three.path(), name), "{name}");
+        let searched = |jobs| optimised(&[file, effort, "--elements=16", jobs, "--states=16"]);
+        let one = searched("--jobs=1");
+        if effort == "--effort=2" {
+            let three = searched("--jobs=3");
+            for name in [
+                "program.rvir",
+                "optimise.json",
+                "optimise.html",
+                "commands.txt",
+            ] {
+                assert_eq!(read(one.path(), name), read(three.path(), name), "{name}");
+            }
         }
         let cycles = cycles(one.path());
         assert!(cycles <= known, "{effort}: {cycles} after {known}");
@@ -385,7 +388,7 @@ fn the_order_of_the_equations_does_not_matter() {
     let text = fs::read_to_string(&*given).expect("it was written");
     let mut random = Random::new(5);
     let mut programs = Vec::new();
-    for _ in 0..3 {
+    for _ in 0..2 {
         let other = folder.path().join("shuffled.rvir");
         let order = shuffled(&text, &mut random);
         assert_ne!(order, text);

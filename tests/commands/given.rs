@@ -102,7 +102,11 @@ pub(crate) const SMALLER: &[(&str, &str)] = &[
     ),
     (
         "robovec optimise examples/models/bogie.mbs --for cpu",
-        "robovec optimise examples/models/quarter-car.mbs --for cpu --effort 1 -o fast",
+        "robovec optimise examples/models/quarter-car.mbs --for cpu --effort 1 --compiler none -o fast",
+    ),
+    (
+        "robovec optimise examples/models/double-pendulum.mbs --for batch",
+        "robovec optimise examples/models/double-pendulum.mbs --for batch --effort 1 --compiler none -o batch",
     ),
     (
         "robovec optimise examples/suspension/mbs_dirdyna_suspension.c --for cpu",
@@ -130,7 +134,7 @@ pub(crate) const SMALLER: &[(&str, &str)] = &[
     ),
     (
         "robovec explore",
-        "robovec explore bogie --elements 1 --states 4",
+        "robovec explore double-pendulum --elements 1 --states 4",
     ),
     (
         "robovec rules bench",
