@@ -12,8 +12,8 @@ pub(crate) fn of_one_size(
     of_seeds((0..count).map(|case| case << 32 | size), property);
 }
 
-/// As [`of_one_size`], the same cases on all cores, for a property that takes
-/// longer than all other tests together.
+/// As [`of_one_size`], the same cases on all cores, for a property that would
+/// run alone when all other tests have ended.
 pub(crate) fn on_all_cores(
     count: u64,
     size: u64,

@@ -292,16 +292,17 @@ pub(crate) fn differ(tables: &Tables, original: &Function, mutated: &Function, s
 mod tests {
     use super::*;
     use crate::cases;
+    use std::sync::atomic::{AtomicU32, Ordering};
 
     #[test]
     fn planted_mutants_are_caught() {
-        let mut tally = [0u32; 2];
-        cases::of_one_size(3000, 1024, |bytes| {
+        let tally = [const { AtomicU32::new(0) }; 2];
+        cases::on_all_cores(3000, 1024, |bytes| {
             let mutant = plant(bytes)?;
-            tally[usize::from(mutant == Mutant::Caught)] += 1;
+            tally[usize::from(mutant == Mutant::Caught)].fetch_add(1, Ordering::Relaxed);
             Ok(())
         });
-        let [harmless, caught] = tally;
+        let [harmless, caught] = tally.map(AtomicU32::into_inner);
         assert!(
             caught > 1000,
             "too few mutants: {caught}, {harmless} harmless"
