@@ -43,7 +43,7 @@ impl Candidate {
         }
     }
 
-    /// Which operand, in the order of the slots, is subtracted; 2 is none.
+    /// The operand, in the order of the slots, that is subtracted; 2 is none.
     fn subtracted(&self, graph: &DataGraph<'_>) -> usize {
         match (graph.function.node(self.value).operation, self.is_swapped) {
             (Operation::Sub, false) => 1,
