@@ -1,7 +1,7 @@
 //! Generated C, compiled, against the evaluator, bit for bit.
 
 use crate::simulate::naive;
-use robovec_cgen::c::{Options, Real, TrialState, c_files, trial_main};
+use robovec_cgen::c::{self, Options, Real, TrialState, trial_main};
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{
     Assignment, Constant, Function, Input, Level, Machine, Module, Name, Node, Operand, Operation,
@@ -14,13 +14,18 @@ use std::process::Command;
 
 /// Compiles without a warning and runs; returns the outputs, with 17 digits,
 /// which distinguish all numbers.
-fn compile_and_run(directory: &Path, view: View<'_>, real: Real, trial: &TrialState) -> Vec<f64> {
-    let files = c_files(view, real);
+fn compile_and_run(
+    directory: &Path,
+    view: View<'_>,
+    options: &Options,
+    trial: &TrialState,
+) -> Vec<f64> {
+    let files = c::files(view, options).expect("a plain signature");
     for (file, text) in &files {
         std::fs::write(directory.join(file), text).expect("a temporary file");
     }
     let name = files[0].0.trim_end_matches(".c").to_owned();
-    let text = trial_main(view, &Options::plain(real), &[&name], trial);
+    let text = trial_main(view, options, &[&name], trial);
     let main = directory.join("main.c");
     std::fs::write(&main, text).expect("a temporary file");
     let program = directory.join("program");
@@ -47,7 +52,8 @@ fn compile_and_run(directory: &Path, view: View<'_>, real: Real, trial: &TrialSt
     lines.map(|line| number(line).expect("a number")).collect()
 }
 
-fn check(module: &Module, inputs: &[f64]) {
+/// Compares C with the evaluator in both types, with the options of each.
+pub(crate) fn check(module: &Module, inputs: &[f64], options: impl Fn(Real) -> Options) {
     if Command::new("gcc").arg("--version").output().is_err() {
         eprintln!("no gcc: the generated C is not compiled");
         return;
@@ -64,14 +70,14 @@ fn check(module: &Module, inputs: &[f64]) {
         "{numbers:?}"
     );
     let expected: Vec<u64> = (numbers.iter()).map(|number| number.to_bits()).collect();
-    let found = compile_and_run(directory.path(), view, Real::Double, &trial);
+    let found = compile_and_run(directory.path(), view, &options(Real::Double), &trial);
     let found: Vec<u64> = found.iter().map(|number| number.to_bits()).collect();
     assert_eq!(found, expected);
     let singles: Vec<f32> = inputs.iter().map(|&number| number as f32).collect();
     let expected: Vec<u32> = (evaluate(view.function, &Binary32, &singles).iter())
         .map(|number| number.to_bits())
         .collect();
-    let found = compile_and_run(directory.path(), view, Real::Float, &trial);
+    let found = compile_and_run(directory.path(), view, &options(Real::Float), &trial);
     let found: Vec<u32> = found.iter().map(|&n| (n as f32).to_bits()).collect();
     assert_eq!(found, expected);
 }
@@ -83,7 +89,7 @@ fn atomic_functions_of_many_parts() {
         let mut random = Random::new(seed);
         let module = naive::random_function(&mut random, operations, &machine);
         let inputs: Vec<f64> = (0..5).map(|_| naive::number(&mut random)).collect();
-        check(&module, &inputs);
+        check(&module, &inputs, Options::plain);
     }
 }
 
@@ -95,7 +101,7 @@ fn expression_trees_of_every_operation() {
     let inputs: Vec<f64> = (0..13)
         .map(|_| 0.5 + naive::number(&mut random).abs())
         .collect();
-    check(&module, &inputs);
+    check(&module, &inputs, Options::plain);
 }
 
 /// Random expression trees, some of them deep.

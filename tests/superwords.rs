@@ -1,19 +1,16 @@
 //! C with superwords, compiled, against the evaluator, bit for bit.
 
+use crate::codegen_c;
 use crate::support::programs::robovec;
 use robovec_analysis::slice::live;
-use robovec_cgen::c::{self, Options, Real, Signature, Sines, TrialState, trial_main};
+use robovec_cgen::c::{self, Options, Real, Signature, Sines};
 use robovec_cgen::superword::SuperwordLanes;
 use robovec_framework::manager::{self, Config};
-use robovec_ir::evaluate::evaluate;
 use robovec_ir::parse::parse_module;
-use robovec_ir::{Machine, Module, View};
-use robovec_num::arithmetic::Binary32;
+use robovec_ir::{Machine, Module};
 use robovec_num::random::Random;
 use robovec_passes::registry::REGISTRY;
 use std::fmt::Write;
-use std::path::Path;
-use std::process::Command;
 
 /// A mechanism of limbs as text: equations of a base, of every limb with other
 /// numbers, signs and orders of operands, sums of all limbs at the base, and
@@ -156,65 +153,19 @@ fn options(superwords: SuperwordLanes, real: Real) -> Options {
     }
 }
 
-/// The outputs of compiled C, with 17 digits.
-fn run(folder: &Path, view: View<'_>, options: &Options, trial: &TrialState) -> Vec<f64> {
-    let files = c::files(view, options).expect("a plain signature");
-    for (file, text) in &files {
-        std::fs::write(folder.join(file), text).expect("a temporary file");
-    }
-    let name = files[0].0.trim_end_matches(".c").to_owned();
-    let main = trial_main(view, options, &[&name], trial);
-    std::fs::write(folder.join("main.c"), main).expect("a temporary file");
-    let compiled = Command::new("gcc")
-        .args(["-O1", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"])
-        .arg("-o")
-        .args(["program", "main.c", &files[0].0].map(|file| folder.join(file)))
-        .arg("-lm")
-        .output()
-        .expect("gcc is there");
-    let messages = String::from_utf8_lossy(&compiled.stderr);
-    assert!(compiled.status.success(), "{messages}");
-    let output = Command::new(folder.join("program")).arg("print").output();
-    let text = String::from_utf8(output.expect("it runs").stdout).expect("numbers");
-    let lines = text.lines().take(trial.expected.len());
-    let number = |line: &str| line.split(' ').nth(2).and_then(|word| word.parse().ok());
-    lines.map(|line| number(line).expect("a number")).collect()
-}
-
-/// Compares C with the evaluator, in both types; gives the share of the
-/// operations that are in vectors.
+/// Compares C with the evaluator; gives the share of the operations that are in
+/// vectors.
 fn check(module: &Module, random: &mut Random, superwords: SuperwordLanes) -> f64 {
-    let view = View {
-        tables: &module.tables,
-        function: &module.functions[0],
-    };
-    let count = view.function.input_len();
-    let inputs: Vec<f64> = (0..count).map(|_| random.signed()).collect();
-    let trial = TrialState::new(view, inputs, 1.0);
-    let folder = tempfile::tempdir().expect("a temporary directory");
-    let double = options(superwords, Real::Double);
-    let found = run(folder.path(), view, &double, &trial);
-    let bits = |numbers: &[f64]| numbers.iter().map(|n| n.to_bits()).collect::<Vec<u64>>();
-    assert_eq!(bits(&found), bits(&trial.expected));
-    let singles: Vec<f32> = trial.inputs.iter().map(|&number| number as f32).collect();
-    let expected = evaluate(view.function, &Binary32, &singles);
-    let found = run(
-        folder.path(),
-        view,
-        &options(superwords, Real::Float),
-        &trial,
-    );
-    let found: Vec<u32> = found.iter().map(|&n| (n as f32).to_bits()).collect();
-    let expected: Vec<u32> = expected.iter().map(|n| n.to_bits()).collect();
-    assert_eq!(found, expected);
+    let function = &module.functions[0];
+    let inputs: Vec<f64> = (0..function.input_len()).map(|_| random.signed()).collect();
+    codegen_c::check(module, &inputs, |real| options(superwords, real));
     let lanes = match superwords {
         SuperwordLanes::Three => 3.0,
         SuperwordLanes::Four => 4.0,
         _ => 2.0,
     };
-    let live = live(view.function);
-    let operations = live.iter().filter(|live| **live).count() as f64;
-    c::vector_operations(view.function, &double) as f64 * lanes / operations
+    let operations = live(function).iter().filter(|live| **live).count() as f64;
+    c::vector_operations(function, &options(superwords, Real::Double)) as f64 * lanes / operations
 }
 
 /// Random mechanisms with limbs of every arrangement.

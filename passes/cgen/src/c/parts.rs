@@ -194,10 +194,7 @@ impl CodePlan {
     /// expression.
     fn leaves(&self, function: &Function, statement: CodeStatement, mut call: impl FnMut(Operand)) {
         let mut open: Vec<Operand> = match statement {
-            CodeStatement::Step(CodeStep::Define(value)) => {
-                self.superwords.reads(function, value).collect()
-            }
-            CodeStatement::Step(step) => step.reads(function).to_vec(),
+            CodeStatement::Step(step) => step.all_reads(function, &self.superwords),
             CodeStatement::Angle(slot) => vec![self.slots.angles()[slot as usize]],
         };
         while let Some(operand) = open.pop() {

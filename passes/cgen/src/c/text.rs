@@ -16,7 +16,7 @@ use std::fmt::Write;
 
 /// Writes one function.
 pub(super) struct PlainWriter<'a> {
-    pub(super) function: &'a Function,
+    function: &'a Function,
     pub(super) real: Real,
     is_local: bool,
     pub(super) plan: &'a CodePlan,

@@ -80,9 +80,10 @@ fn refined(graph: &DataGraph<'_>, before: &[u64]) -> Vec<u64> {
             Some(OperationClass::Sum | OperationClass::Product)
         );
         let own = before[index];
-        let reads = match graph.is_loaded(value) {
-            true => node.operands(),
-            false => graph.reads(value),
+        let reads = if graph.is_loaded(value) {
+            node.operands()
+        } else {
+            graph.reads(value)
         };
         for (place, &operand) in (1u64..).zip(reads) {
             let place = if is_ordered { place } else { 0 };

@@ -116,9 +116,10 @@ impl<'a> DataGraph<'a> {
 
     /// The operands that are read when a value is computed.
     pub(super) fn reads(&self, value: Value) -> &'a [Operand] {
-        match self.computed[value.index()] {
-            true => self.function.node(value).operands(),
-            false => &[],
+        if self.computed[value.index()] {
+            self.function.node(value).operands()
+        } else {
+            &[]
         }
     }
 

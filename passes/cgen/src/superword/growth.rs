@@ -17,7 +17,6 @@ const NO_WORD: u32 = u32::MAX;
 /// An operation that can be a lane of a superword.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 struct Candidate {
-    height: u32,
     class: OperationClass,
     /// The superwords of its operands.
     slots: [u32; 2],
@@ -28,8 +27,8 @@ struct Candidate {
 }
 
 impl Candidate {
-    fn key(&self) -> (u32, OperationClass, [u32; 2]) {
-        (self.height, self.class, self.slots)
+    fn key(&self) -> (OperationClass, [u32; 2]) {
+        (self.class, self.slots)
     }
 
     /// The operands in the order of the slots.
@@ -61,20 +60,15 @@ pub(super) fn grow(graph: &DataGraph<'_>, colours: &ItemColours, words: &mut Sup
     by_height.sort_by_key(|value| graph.heights[value.index()]);
     let height = |value: &Value| graph.heights[value.index()];
     for level in by_height.chunk_by(|a, b| height(a) == height(b)) {
-        let of = |wanted: &dyn Fn(Option<OperationClass>) -> bool| -> Vec<Value> {
-            let values = level.iter().copied();
-            values.filter(|&value| wanted(graph.class(value))).collect()
-        };
-        load(graph, words, &of(&|class| class.is_none()));
-        let is_sign = |class: Option<OperationClass>| class == Some(OperationClass::Sign);
-        join(
-            graph,
-            colours,
-            words,
-            &of(&|class| class.is_some() && !is_sign(class)),
-        );
+        let (circular, computed): (Vec<Value>, Vec<Value>) = level
+            .iter()
+            .partition(|&&value| graph.class(value).is_none());
+        let is_sign = |value: &Value| graph.class(*value) == Some(OperationClass::Sign);
+        let (signs, others): (Vec<Value>, Vec<Value>) = computed.into_iter().partition(is_sign);
+        load(graph, words, &circular);
+        join(graph, colours, words, &others);
         // Changes of sign read values of their own height.
-        join(graph, colours, words, &of(&is_sign));
+        join(graph, colours, words, &signs);
     }
     let mut next = 0;
     while next < words.words.len() {
@@ -146,7 +140,6 @@ fn candidate(graph: &DataGraph<'_>, words: &Superwords, value: Value) -> Option<
         slots.reverse();
     }
     Some(Candidate {
-        height: graph.heights[value.index()],
         class,
         slots,
         lane: own?,
@@ -210,7 +203,7 @@ fn likeness(
 }
 
 /// Adds the superword of some members, unless their signs do not suit.
-fn add(graph: &DataGraph<'_>, words: &mut Superwords, members: &[Candidate]) -> bool {
+fn add(graph: &DataGraph<'_>, words: &mut Superwords, members: &[Candidate]) {
     let operations: Vec<Operation> = members
         .iter()
         .map(|member| graph.function.node(member.value).operation)
@@ -232,7 +225,7 @@ fn add(graph: &DataGraph<'_>, words: &mut Superwords, members: &[Candidate]) -> 
                 second |= u8::from(subtracted == 1) << lane;
             }
             if first != 0 && second != 0 {
-                return false;
+                return;
             }
             if first != 0 {
                 operands.reverse();
@@ -242,7 +235,7 @@ fn add(graph: &DataGraph<'_>, words: &mut Superwords, members: &[Candidate]) -> 
         }
         OperationClass::Sign | OperationClass::Product | OperationClass::Quotient => {
             if operations.iter().any(|&other| other != operation) {
-                return false;
+                return;
             }
         }
     }
@@ -259,7 +252,6 @@ fn add(graph: &DataGraph<'_>, words: &mut Superwords, members: &[Candidate]) -> 
             operands,
         },
     );
-    true
 }
 
 /// Makes superwords of the operands that a superword gathers, if they are
@@ -295,7 +287,6 @@ fn aligned(
     let class = graph.class(values[0]).expect("an operation of a superword");
     let is_free = matches!(class, OperationClass::Sum | OperationClass::Product);
     let member = |lane, value, is_swapped| Candidate {
-        height: graph.heights[values[0].index()],
         class,
         slots: [NO_WORD; 2],
         lane,
@@ -324,9 +315,10 @@ fn aligned(
     let others = values.iter().enumerate().skip(1).map(|(lane, &value)| {
         let straight = member(lane, value, false);
         let swapped = member(lane, value, true);
-        match is_free && alike(&swapped) > alike(&straight) {
-            true => swapped,
-            false => straight,
+        if is_free && alike(&swapped) > alike(&straight) {
+            swapped
+        } else {
+            straight
         }
     });
     std::iter::once(first).chain(others).collect()

@@ -188,9 +188,12 @@ fn limb(
     for array in arrays {
         for row in 0..array.rows {
             for place in 0..length {
-                let joint = |lane: u32| match is_in_turn {
-                    false => first + place + lane * length,
-                    true => first + place * lanes + lane,
+                let joint = |lane: u32| {
+                    if is_in_turn {
+                        first + place * lanes + lane
+                    } else {
+                        first + place + lane * length
+                    }
                 };
                 let items: Vec<Operand> = (0..lanes)
                     .map(|lane| array.element(row, joint(lane)))
@@ -204,8 +207,8 @@ fn limb(
     seeds
 }
 
-/// The likeness of seeds: the sum of the radii to which their lanes look alike;
-/// `None` if some never do, or only one lane is used.
+/// The likeness of seeds: the sum of the squares of the radii to which their
+/// lanes look alike; `None` if that is 0, or some lane is not read.
 fn likeness(graph: &DataGraph<'_>, colours: &ItemColours, seeds: &[Vec<Operand>]) -> Option<usize> {
     let mut sum = 0;
     for items in seeds {

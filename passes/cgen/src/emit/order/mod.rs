@@ -41,6 +41,16 @@ impl CodeStep {
     }
 }
 
+impl CodeStep {
+    /// The operands that are read, those of all lanes of a superword.
+    pub(crate) fn all_reads(self, function: &Function, words: &Superwords) -> Vec<Operand> {
+        match self {
+            CodeStep::Define(value) => words.reads(function, value).collect(),
+            CodeStep::Assign(_) => self.reads(function).to_vec(),
+        }
+    }
+}
+
 /// The values that are marked in `computed`, in the function's order, and then
 /// all assignments.
 pub(crate) fn program(function: &Function, computed: &[bool]) -> Vec<CodeStep> {
@@ -99,17 +109,15 @@ fn follows_operands(
     words: &Superwords,
 ) -> bool {
     let mut defined = vec![false; computed.len()];
-    steps.iter().all(|step| match *step {
-        CodeStep::Define(value) => {
-            let reads = words.reads(function, value);
-            let mut reads = reads.filter_map(|read| read.value().map(|read| words.leader(read)));
-            let is_ready = reads.all(|read| defined[read.index()] || !computed[read.index()]);
-            is_ready && !std::mem::replace(&mut defined[value.index()], true)
-        }
-        CodeStep::Assign(_) => {
-            let mut reads = step.reads(function).iter().filter_map(|read| read.value());
-            let read = reads.next().map(|read| words.leader(read));
-            read.is_none_or(|read| defined[read.index()] || !computed[read.index()])
+    steps.iter().all(|step| {
+        let reads = step.all_reads(function, words).into_iter();
+        let mut reads = reads.filter_map(|read| read.value().map(|read| words.leader(read)));
+        let is_ready = reads.all(|read| defined[read.index()] || !computed[read.index()]);
+        match step {
+            CodeStep::Define(value) => {
+                is_ready && !std::mem::replace(&mut defined[value.index()], true)
+            }
+            CodeStep::Assign(_) => is_ready,
         }
     })
 }
