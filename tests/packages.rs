@@ -155,3 +155,24 @@ fn every_file_of_tests_is_a_module() {
     }
     assert!(forgotten.is_empty(), "in no test program: {forgotten:?}");
 }
+
+#[test]
+fn examples_in_comments_run_as_tests() {
+    for folder in crates() {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+        if !manifest.contains("doctest = false") {
+            continue;
+        }
+        for path in sources(&folder.join("src")) {
+            let source = fs::read_to_string(&path).expect("a readable source");
+            let lines = source.lines().map(str::trim_start);
+            let comments = lines.filter(|line| line.starts_with("//"));
+            let fences = comments
+                .filter_map(|line| line.trim_start_matches(['/', '!']).strip_prefix(" ```"));
+            // Fences open and close in turn.
+            for opened in fences.step_by(2) {
+                assert_eq!(opened, "text", "{}: no test runs it", path.display());
+            }
+        }
+    }
+}

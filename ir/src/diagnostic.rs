@@ -197,7 +197,7 @@ impl Report {
             // The excerpt holds every file and byte the message refers to,
             // and writing to a string cannot fail.
             let drawn = emit_to_string(&mut text, &Config::default(), &excerpts, &shown);
-            debug_assert!(drawn.is_ok(), "an excerpt covers its labels");
+            assert!(drawn.is_ok(), "an excerpt covers its labels");
         }
         text
     }

@@ -176,7 +176,7 @@ impl Operand {
 impl From<Value> for Operand {
     #[inline]
     fn from(value: Value) -> Operand {
-        debug_assert!(value.0 <= INDEX_MASK, "a value's number fits an operand");
+        assert!(value.0 <= INDEX_MASK, "a value's number fits an operand");
         Operand(value.0)
     }
 }
@@ -191,7 +191,7 @@ impl From<Input> for Operand {
 impl From<Constant> for Operand {
     #[inline]
     fn from(constant: Constant) -> Operand {
-        debug_assert!(
+        assert!(
             constant.0 <= INDEX_MASK,
             "a constant's number fits an operand"
         );

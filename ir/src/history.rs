@@ -62,7 +62,7 @@ impl Histories {
     /// The history that ends with this step; equal steps give equal
     /// histories. The step's own past must be of this table.
     pub fn add(&mut self, step: HistoryStep) -> History {
-        debug_assert!(
+        assert!(
             step.before.0 as usize <= self.steps.len(),
             "a step comes after those before it"
         );

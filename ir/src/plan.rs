@@ -96,7 +96,7 @@ impl EvaluationPlan {
                 plan.places += 1;
                 plan.places as u32 - 1
             });
-            debug_assert!(
+            assert!(
                 result as usize >= fixed,
                 "inputs and literals keep their places"
             );

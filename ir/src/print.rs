@@ -445,7 +445,7 @@ impl<'a> FunctionPrinter<'a> {
         let sources = &self.view.tables.sources;
         let several = sources.number_of_several(set);
         if let Some(&number) = several.and_then(|several| self.set_numbers.get(several)) {
-            debug_assert_ne!(number, UNUSED, "a function uses the sets it prints");
+            assert_ne!(number, UNUSED, "a function uses the sets it prints");
             text.push(" @!");
             text.integer(number);
         } else if let Some(place) = sources.first(set) {

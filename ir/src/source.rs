@@ -131,7 +131,7 @@ impl Sources {
         if let [only] = *members {
             return SourceSet(only);
         }
-        debug_assert!(!members.is_empty(), "only the empty set has no places");
+        assert!(!members.is_empty(), "only the empty set has no places");
         let (all, ranges) = (&self.members, &self.ranges);
         let known = |set: u32| {
             let (start, end) = ranges[set as usize];

@@ -55,7 +55,7 @@ impl Ranges {
     /// Records the range of an element of an array, by its indices from 1 (0
     /// for absent ones), in SI units; equal ends give its value.
     pub fn set(&mut self, array: &str, indices: [u32; 2], low: f64, high: f64) {
-        debug_assert!(
+        assert!(
             low <= high,
             "the low end of a range is not above the high one"
         );

@@ -37,7 +37,7 @@ impl Pass for AsapAlap {
                 alap_cycle: longest_cycle - tail_cycle[index],
             })
             .collect();
-        debug_assert!(
+        assert!(
             timing
                 .iter()
                 .all(|times| { times.asap <= times.alap && times.asap_cycle <= times.alap_cycle }),

@@ -93,7 +93,7 @@ impl Pass for Balance {
                 break;
             }
         }
-        debug_assert!(
+        assert!(
             best.0 <= before.0 || context.rewrites.has_refused(),
             "the longest path never grows"
         );

@@ -100,7 +100,7 @@ impl<const LANES: usize> Ball<LANES> {
         };
         for lane in 0..LANES {
             ball.radius[lane] = radius(lane);
-            debug_assert!(
+            assert!(
                 ball.radius[lane].is_nan() || ball.radius[lane] >= 0.0,
                 "a radius is not negative"
             );

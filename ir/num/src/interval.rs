@@ -56,7 +56,7 @@ impl Interval {
     /// The numbers of at most a size, which is not negative; the whole line for
     /// NaN.
     pub fn within(size: f64) -> Interval {
-        debug_assert!(size >= 0.0 || size.is_nan(), "a size is not negative");
+        assert!(size >= 0.0 || size.is_nan(), "a size is not negative");
         Interval::new(-size, size)
     }
 
@@ -108,7 +108,7 @@ impl Interval {
     /// The interval with both ends moved outwards.
     #[must_use]
     pub fn widened(self, by: f64) -> Interval {
-        debug_assert!(by >= 0.0 || by.is_nan(), "ends move outwards");
+        assert!(by >= 0.0 || by.is_nan(), "ends move outwards");
         Interval::outward(self.low - by, self.high + by)
     }
 
@@ -117,7 +117,7 @@ impl Interval {
         if low.is_nan() || high.is_nan() {
             return Interval::WHOLE;
         }
-        debug_assert!(low <= high, "the lower end is never above the upper one");
+        assert!(low <= high, "the lower end is never above the upper one");
         Interval {
             low: low.next_down(),
             high: high.next_up(),

@@ -46,7 +46,7 @@ impl Random {
 
     /// A number from 0 to below a count that is not zero.
     pub fn below(&mut self, count: usize) -> usize {
-        debug_assert!(count > 0, "nothing is below zero");
+        assert!(count > 0, "nothing is below zero");
         (self.bits() % count as u64) as usize
     }
 
@@ -64,7 +64,7 @@ impl Random {
     /// log-uniform by octaves, made of bits so that no library function
     /// decides its last place.
     pub fn log_uniform(&mut self, lowest: i32, highest: i32) -> f64 {
-        debug_assert!(lowest <= highest, "exponents are in order");
+        assert!(lowest <= highest, "exponents are in order");
         let octaves = (highest - lowest + 1) as u64;
         let exponent = lowest + (self.bits() % octaves) as i32;
         let random = self.bits();

@@ -29,7 +29,7 @@ impl<'w> HexWriter<'w> {
 
     /// The next word, in limbs of 64 bits, the lowest first.
     pub(super) fn word(&mut self, limbs: &[u64]) -> io::Result<()> {
-        debug_assert!(
+        assert!(
             (self.digits..16 * limbs.len()).all(|place| hexadecimal_digit(limbs, place) == 0),
             "a number fits its digits"
         );

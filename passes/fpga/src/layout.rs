@@ -141,7 +141,7 @@ impl WordLayout {
 
     /// Place of a write port's `enable`; `address` and `select` follow.
     pub(super) fn write(&self, memory: u32, port: u32) -> u32 {
-        debug_assert!(port < self.write_ports, "a memory has the write port");
+        assert!(port < self.write_ports, "a memory has the write port");
         self.writes_from + 3 * (memory * self.write_ports + port)
     }
 

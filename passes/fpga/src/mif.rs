@@ -68,7 +68,7 @@ impl<'w> MifWriter<'w> {
 
     /// Zero from the first to the last address, both included.
     pub(super) fn zeros(&mut self, first: u32, last: u32) -> io::Result<()> {
-        debug_assert!(first <= last, "a range of addresses ascends");
+        assert!(first <= last, "a range of addresses ascends");
         if first == last {
             return self.word(first, &[]);
         }
@@ -99,7 +99,7 @@ impl<'w> MifWriter<'w> {
     }
 
     fn hexadecimal(&mut self, limbs: &[u64], digits: usize) {
-        debug_assert!(
+        assert!(
             (digits..16 * limbs.len()).all(|place| hexadecimal_digit(limbs, place) == 0),
             "a number fits its digits"
         );

@@ -42,7 +42,7 @@ pub fn count(function: &robovec_ir::Function) -> u32 {
 
 /// A name with the number of an instance, counted from 1.
 pub fn numbered(name: &str, instance: u32) -> String {
-    debug_assert!(instance > 0, "instances are counted from 1");
+    assert!(instance > 0, "instances are counted from 1");
     format!("{name}_{instance}")
 }
 

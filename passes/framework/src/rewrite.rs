@@ -51,7 +51,7 @@ impl<'a> Rewriter<'a> {
         match operand.kind() {
             OperandKind::Value(value) => {
                 let known = self.map[value.index()];
-                debug_assert!(!known.is_none(), "an operand that is read was recorded");
+                assert!(!known.is_none(), "an operand that is read was recorded");
                 known
             }
             OperandKind::Constant(constant) => {
@@ -72,7 +72,7 @@ impl<'a> Rewriter<'a> {
     /// Records the successor of the next old value; called once per value, in
     /// order.
     pub fn record(&mut self, operand: Operand) {
-        debug_assert!(
+        assert!(
             self.map.len() < self.old.nodes().len(),
             "every old value is recorded once"
         );

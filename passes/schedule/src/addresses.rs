@@ -36,7 +36,7 @@ impl Pool {
     }
 
     fn give_back(&mut self, address: u32) {
-        debug_assert!(address < self.used, "only what was taken is given back");
+        assert!(address < self.used, "only what was taken is given back");
         self.freed.push(address);
     }
 }

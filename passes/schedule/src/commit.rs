@@ -17,11 +17,11 @@ impl Sweep<'_> {
         plan: IssuePlan,
         sources: &OperandSources,
     ) {
-        debug_assert_eq!(
+        assert_eq!(
             self.waiting[node].operands, 0,
             "an operation is issued after all its operands"
         );
-        debug_assert!(
+        assert!(
             self.busy[plan.element.index()] <= cycle,
             "an element issues one operation in a cycle"
         );

@@ -236,7 +236,7 @@ impl DependenceGraph {
         let mut next = self.user_starts.clone();
         for (index, node) in function.nodes().iter().enumerate() {
             for value in node.values() {
-                debug_assert!(value.index() < index, "an operand is an earlier node");
+                assert!(value.index() < index, "an operand is an earlier node");
                 let slot = &mut next[value.index()];
                 self.users[*slot as usize] = index as u32;
                 *slot += 1;
@@ -269,7 +269,7 @@ impl DependenceGraph {
                 .map(|&user| self.tail[user as usize])
                 .fold(0, u32::max);
             self.tail[index] = after + self.weight(index);
-            debug_assert!(
+            assert!(
                 self.head[index] + self.tail[index] <= self.path,
                 "no chain is longer than the longest"
             );

@@ -177,7 +177,7 @@ impl Locations {
     pub(super) fn remove_last(&mut self, datum: Datum) {
         let stored = self.entries.pop().expect("an entry was added");
         let first = &mut self.data[datum.index()].first;
-        debug_assert_eq!(
+        assert_eq!(
             first.map(Entry::index),
             Some(self.entries.len()),
             "the entry that was added last is the datum's"

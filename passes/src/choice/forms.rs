@@ -116,7 +116,7 @@ impl FormStore {
     }
 
     fn push(&mut self, class: Class, kind: FormKind, terms: &[ProductTerm], negated: bool) -> u32 {
-        debug_assert!(!terms.is_empty(), "a form has a term");
+        assert!(!terms.is_empty(), "a form has a term");
         let start = u32::try_from(self.terms.len()).expect("terms are counted in 32 bits");
         let record = FormRecord::new(class, kind, negated, start);
         self.records.push(record);

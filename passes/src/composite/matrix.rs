@@ -52,7 +52,7 @@ pub(super) fn mass_matrix<S: BodySystem>(
         let mut at = joint;
         made[joint * count + joint] = wrench.along(places[joint].joint);
         while let Some(parent) = places[at].parent {
-            debug_assert!(parent < at, "a joint comes after the one before it");
+            assert!(parent < at, "a joint comes after the one before it");
             let stand = system.stand(at, &places[at]);
             wrench = stand.wrench(system, wrench);
             made[joint * count + parent] = wrench.along(places[parent].joint);

@@ -89,7 +89,7 @@ impl RewritingWriter<'_> {
                 .iter()
                 .map(|&child| values[child as usize])
                 .collect();
-            debug_assert!(
+            assert!(
                 !children.contains(&Operand::NONE),
                 "a class is written before those that use it"
             );

@@ -205,7 +205,7 @@ impl FactorNetwork {
             rule: None,
         });
         let edge = Edge::new(self.values.push(value), false);
-        debug_assert_eq!(edge.node() + 1, self.nodes.len(), "every node has a value");
+        assert_eq!(edge.node() + 1, self.nodes.len(), "every node has a value");
         edge
     }
 

@@ -34,7 +34,7 @@ pub(super) struct FormatAssignment {
 impl FormatAssignment {
     /// All values in one format.
     pub(super) fn all(count: usize, format: usize) -> FormatAssignment {
-        debug_assert!(u8::try_from(format).is_ok(), "formats are counted in bytes");
+        assert!(u8::try_from(format).is_ok(), "formats are counted in bytes");
         FormatAssignment {
             chosen: vec![format as u8; count],
             cost: 0.0,

@@ -158,7 +158,7 @@ impl ArrivalTimes {
 
     /// Appends an operation to the function.
     pub(crate) fn push(&mut self, out: &mut Function, node: Node) -> Value {
-        debug_assert_eq!(
+        assert_eq!(
             self.times.len(),
             out.nodes().len(),
             "every value has a time"
@@ -288,7 +288,7 @@ impl SumWriter {
             operation,
         };
         let value = self.times.push(&mut self.out, node);
-        debug_assert_eq!(value, next, "a name is no operation");
+        assert_eq!(value, next, "a name is no operation");
         value.into()
     }
 

@@ -51,7 +51,7 @@ impl ExactNumber {
         let place = self.significand.ilog2();
         let (significand, shift) = if place > LEADING {
             let shift = place - LEADING;
-            debug_assert!(
+            assert!(
                 self.significand.trailing_zeros() >= shift,
                 "only zeros are shifted out"
             );
@@ -118,7 +118,7 @@ pub(super) fn quotient(a: f64, b: f64) -> Option<ExactNumber> {
     let (a, b) = (ExactNumber::new(a)?, ExactNumber::new(b)?);
     let dividend = a.significand << 63;
     let rest = dividend % b.significand;
-    debug_assert!(
+    assert!(
         dividend / b.significand >= 1 << 62,
         "an inexact quotient has 62 bits before its last"
     );
@@ -135,7 +135,7 @@ pub(super) fn root(a: f64) -> Option<ExactNumber> {
     let shift = 62 + (a.exponent & 1) as u32;
     let radicand = a.significand << shift;
     let root = radicand.isqrt();
-    debug_assert!(
+    assert!(
         root >= 1 << 62,
         "an inexact root has 62 bits before its last"
     );

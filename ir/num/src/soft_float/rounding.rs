@@ -223,7 +223,7 @@ impl FixedRounding {
 /// even; the result must fit into 64 bits.
 fn multiples(significand: u128, exponent: i32, unit: i32) -> u64 {
     let shift = unit - exponent;
-    debug_assert!(
+    assert!(
         (u128::BITS - significand.leading_zeros()) as i32 - shift <= 64,
         "the multiples fit into 64 bits"
     );
@@ -248,7 +248,7 @@ fn signed(size: f64, negative: bool) -> f64 {
 
 /// `2^exponent`, from -1074 to 1023.
 fn power(exponent: i32) -> f64 {
-    debug_assert!(
+    assert!(
         (-1074..=1023).contains(&exponent),
         "binary64 has the power of two"
     );

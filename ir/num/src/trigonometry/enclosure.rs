@@ -95,7 +95,7 @@ impl ErrorEnclosure {
     /// Holds polynomial minus function for all angles from `low` to `high`,
     /// both within the range and not negative.
     pub fn error(&self, low: f64, high: f64) -> Interval {
-        debug_assert!(
+        assert!(
             0.0 <= low && low <= high,
             "angles are in order and not negative"
         );

@@ -168,7 +168,7 @@ impl WindowLeaves {
     /// Leaves of which only these ranges are known, without any relation
     /// between them.
     pub fn anything(window: &ConeWindow, format: Format, ranges: Vec<Interval>) -> WindowLeaves {
-        debug_assert_eq!(window.leaves.len(), ranges.len(), "a range for every leaf");
+        assert_eq!(window.leaves.len(), ranges.len(), "a range for every leaf");
         WindowLeaves {
             format,
             data: GivenData::Held,

@@ -42,7 +42,7 @@ impl Crossing {
         let mut loads = Vec::with_capacity(functions.len());
         for (number, function) in functions.iter().enumerate() {
             for value in &function.defined {
-                debug_assert!(
+                assert!(
                     made[value.index()].is_none(),
                     "a value is defined by one function"
                 );

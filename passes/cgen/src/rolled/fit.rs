@@ -16,7 +16,7 @@ pub(super) struct AffineFit {
 impl AffineFit {
     /// The value at a pass.
     pub(super) fn at(&self, iterations: &[u32]) -> i64 {
-        debug_assert_eq!(
+        assert_eq!(
             iterations.len(),
             self.factors.len(),
             "one iteration per loop around"

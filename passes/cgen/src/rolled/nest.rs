@@ -169,7 +169,7 @@ impl Nest {
                     ProgramItem::Row => {}
                 }
             }
-            debug_assert!(
+            assert!(
                 single.is_empty() || inner.is_empty(),
                 "an element of a loop is a statement in all passes or a loop in all"
             );

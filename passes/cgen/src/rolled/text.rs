@@ -275,7 +275,7 @@ impl<'a> RolledWriter<'a> {
         };
         let program = self.program;
         for (top, copy) in self.copies(range.clone()) {
-            debug_assert!(range.contains(&top));
+            assert!(range.contains(&top));
             space(StorageSpace::Work);
             space(copy.space);
         }

@@ -226,11 +226,11 @@ impl Superwords {
     }
 
     fn add(&mut self, graph: &DataGraph<'_>, word: Superword) {
-        debug_assert_eq!(word.items.len(), self.lanes, "a superword is full");
+        assert_eq!(word.items.len(), self.lanes, "a superword is full");
         let number = self.words.len() as u32;
         for (lane, &item) in (0u8..).zip(&word.items) {
             let place = &mut self.places[graph.item(item).expect("a value or an input")];
-            debug_assert!(place.is_none(), "a value is in one superword");
+            assert!(place.is_none(), "a value is in one superword");
             *place = Some((number, lane));
         }
         self.words.push(word);

@@ -46,7 +46,7 @@ impl Block {
 
     /// The first address of a memory.
     pub(super) fn address(&self, unit: u32) -> u32 {
-        debug_assert!(unit >> self.unit_bits == 0, "the block has the memory");
+        assert!(unit >> self.unit_bits == 0, "the block has the memory");
         self.base + (unit << self.unit_low())
     }
 }

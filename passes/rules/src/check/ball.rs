@@ -44,7 +44,7 @@ impl ScaledBall {
     /// A finite binary64 number with a bound of its distance from the intended
     /// number.
     pub(super) fn between(number: f64, radius: f64) -> ScaledBall {
-        debug_assert!(radius >= 0.0, "a radius is not negative");
+        assert!(radius >= 0.0, "a radius is not negative");
         // Subnormals are lifted, so that what follows is exact.
         let (lift, exponent) = if number.abs().max(radius) < 1.0 {
             (2f64.powi(600), -600)

@@ -51,7 +51,7 @@ impl RealPoint {
 
     /// True when the conditions of a rule hold, on all of a place.
     pub(super) fn meets(&self, rule: &Rule) -> bool {
-        debug_assert_eq!(
+        assert_eq!(
             self.values.len(),
             self.radii.len(),
             "every number has a radius"

@@ -19,7 +19,7 @@ impl Scalar {
     pub(super) const FIRST_ATOM: u32 = 2;
 
     pub(super) fn of_atom(atom: u32) -> Scalar {
-        debug_assert!(atom < 1 << 31, "an atom leaves room for the sign");
+        assert!(atom < 1 << 31, "an atom leaves room for the sign");
         Scalar(atom << 1)
     }
 

@@ -197,7 +197,7 @@ impl Equations {
             |(name, _)| name == array,
             || (array.to_owned(), indices.len()),
         );
-        debug_assert_eq!(
+        assert_eq!(
             self.arrays[number as usize].1,
             indices.len(),
             "an array has the same number of indices everywhere"
@@ -214,7 +214,7 @@ impl Equations {
     }
 
     pub(super) fn number(&mut self, number: f64) -> Scalar {
-        debug_assert!(number.is_finite(), "the numbers of a model are finite");
+        assert!(number.is_finite(), "the numbers of a model are finite");
         let magnitude = number.abs();
         if magnitude == 0.0 {
             return Scalar::ZERO;
@@ -236,7 +236,7 @@ impl Equations {
     /// Sets an output element, in frames until [`Equations::number_outputs`];
     /// constant rotations have none.
     pub(super) fn output(&mut self, array: &str, indices: &[usize], value: Scalar) {
-        debug_assert!(
+        assert!(
             (value.atom() as usize) < self.atoms.len(),
             "an output is defined before it is set"
         );

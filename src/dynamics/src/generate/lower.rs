@@ -323,7 +323,7 @@ impl FunctionWriter<'_> {
 
     fn operand(&self, scalar: Scalar) -> Operand {
         let operand = self.operands[scalar.atom() as usize];
-        debug_assert!(!operand.is_none(), "what is read was written before");
+        assert!(!operand.is_none(), "what is read was written before");
         operand
     }
 

@@ -266,7 +266,7 @@ pub(super) fn products(
     for (i, a) in one.iter().enumerate() {
         let mut row = SparseRow::new();
         for (j, b) in other.iter().enumerate() {
-            debug_assert_eq!(a.len(), b.len(), "rows of one length");
+            assert_eq!(a.len(), b.len(), "rows of one length");
             let mut sum = Sum::new();
             for (&a, &b) in a.iter().zip(b) {
                 sum.add(&[a, b]);

@@ -112,7 +112,7 @@ impl std::ops::IndexMut<(usize, usize)> for DenseMatrix {
 
 /// The sum of products.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    debug_assert_eq!(a.len(), b.len(), "vectors of one length");
+    assert_eq!(a.len(), b.len(), "vectors of one length");
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

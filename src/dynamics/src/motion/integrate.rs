@@ -33,7 +33,7 @@ pub fn runge_kutta<E>(
 
 /// `state` plus multiples of slopes.
 fn advance(state: &[f64], slopes: &[(f64, &Vec<f64>)]) -> Vec<f64> {
-    debug_assert!(
+    assert!(
         slopes.iter().all(|(_, slope)| slope.len() == state.len()),
         "one slope per number"
     );

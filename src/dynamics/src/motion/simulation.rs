@@ -117,7 +117,7 @@ pub fn mean_position(runs: &[SimulationRun], joint: usize) -> f64 {
         let samples = runs.iter().flat_map(|run| &run.samples);
         samples.map(|sample| sample.state.q[joint])
     };
-    debug_assert!(positions().next().is_some(), "a run begins with a sample");
+    assert!(positions().next().is_some(), "a run begins with a sample");
     positions().sum::<f64>() / positions().count() as f64
 }
 
@@ -192,7 +192,7 @@ struct TriedStep {
 impl Integrator<'_, '_, '_> {
     fn sample(&mut self, time: f64) -> Result<(), MotionError> {
         let state = self.system.unpack(time, &self.packed)?;
-        debug_assert!(
+        assert!(
             (self.run.samples.last()).is_none_or(|last| last.state.time <= time),
             "samples are in the order of time"
         );
