@@ -15,6 +15,7 @@
 use arbitrary::Unstructured;
 use robovec_framework::manager::usage;
 use robovec_fuzz::results::{Finding, Tally, describe_case, examine};
+use robovec_fuzz::*;
 use robovec_num::random::Random;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,53 +24,32 @@ use std::process::ExitCode;
 type Body = fn(&[u8]);
 
 const BODIES: [(&str, Body); 26] = [
-    (
-        "bounds_hold_over_boxes",
-        robovec_fuzz::bounds_hold_over_boxes,
-    ),
-    ("norms_hold", robovec_fuzz::norms_hold),
-    ("check_catches_mutants", robovec_fuzz::check_catches_mutants),
-    ("domains_are_compared", robovec_fuzz::domains_are_compared),
-    ("derivatives_hold", robovec_fuzz::derivatives_hold),
-    ("errors_are_predicted", robovec_fuzz::errors_are_predicted),
-    (
-        "errors_stay_within_bounds",
-        robovec_fuzz::errors_stay_within_bounds,
-    ),
-    (
-        "false_rules_are_caught",
-        robovec_fuzz::false_rules_are_caught,
-    ),
-    ("formats_agree", robovec_fuzz::formats_agree),
-    (
-        "generated_functions_hold",
-        robovec_fuzz::generated::generated_functions_hold,
-    ),
-    ("inline_undoes_atomise", robovec_fuzz::inline_undoes_atomise),
-    ("model_round_trip", robovec_fuzz::model_round_trip),
-    ("parse_text", robovec_fuzz::parse_text),
-    (
-        "precision_keeps_programs",
-        robovec_fuzz::precision::precision_keeps_programs,
-    ),
-    ("random_pipeline", robovec_fuzz::pipelines::random_pipeline),
-    ("read_fpcore", robovec_fuzz::read_fpcore),
-    ("read_model", robovec_fuzz::read_model),
-    ("read_robot", robovec_fuzz::read_robot),
-    ("read_robotran", robovec_fuzz::read_robotran),
-    ("results_stay_in_class", robovec_fuzz::results_stay_in_class),
-    ("round_trip", robovec_fuzz::round_trip),
-    ("rules_are_judged", robovec_fuzz::rules_are_judged),
-    (
-        "series_keep_their_errors",
-        robovec_fuzz::series_keep_their_errors,
-    ),
-    ("simulate_garbage", robovec_fuzz::simulate_garbage),
-    (
-        "whole_steps_move_models",
-        robovec_fuzz::loops::whole_steps_move_models,
-    ),
-    ("written_reads_back", robovec_fuzz::written_reads_back),
+    ("bounds_hold_over_boxes", bounds_hold_over_boxes),
+    ("norms_hold", norms_hold),
+    ("check_catches_mutants", check_catches_mutants),
+    ("domains_are_compared", domains_are_compared),
+    ("derivatives_hold", derivatives_hold),
+    ("errors_are_predicted", errors_are_predicted),
+    ("errors_stay_within_bounds", errors_stay_within_bounds),
+    ("false_rules_are_caught", false_rules_are_caught),
+    ("formats_agree", formats_agree),
+    ("generated_functions_hold", generated_functions_hold),
+    ("inline_undoes_atomise", inline_undoes_atomise),
+    ("model_round_trip", model_round_trip),
+    ("parse_text", parse_text),
+    ("precision_keeps_programs", precision_keeps_programs),
+    ("random_pipeline", random_pipeline),
+    ("read_fpcore", read_fpcore),
+    ("read_model", read_model),
+    ("read_robot", read_robot),
+    ("read_robotran", read_robotran),
+    ("results_stay_in_class", results_stay_in_class),
+    ("round_trip", round_trip),
+    ("rules_are_judged", rules_are_judged),
+    ("series_keep_their_errors", series_keep_their_errors),
+    ("simulate_garbage", simulate_garbage),
+    ("whole_steps_move_models", whole_steps_move_models),
+    ("written_reads_back", written_reads_back),
 ];
 
 fn main() -> ExitCode {

@@ -2,25 +2,22 @@
 //! differences of the equations themselves, and with faults planted.
 
 use crate::equations::{Contents, equations};
-use crate::errors::reduced;
 use crate::mutants;
+use crate::running::run as execute;
 use crate::statistics::{Run, Statistics};
 use arbitrary::{Result, Unstructured};
 use robovec_framework::check::check_derivative;
-use robovec_framework::manager::{self, Config, RunError};
 use robovec_framework::pass::Pass;
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Function, Machine, Module, Output, View, print};
+use robovec_ir::{Function, Module, Output, View, print};
 use robovec_num::ball::{Ball, Balls};
 use robovec_passes::registry::REGISTRY;
-use robovec_rules::RuleSet;
 
 /// Number of runs of [`derivatives_hold`], with their inputs.
 pub static STATISTICS: Statistics = Statistics::new("derivatives_hold");
 
-const POINTS: u32 = 2;
 const STATES: u32 = 2;
 /// Larger derivatives are those near a pole.
 const LARGEST: f64 = 1e9;
@@ -65,8 +62,10 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
     let before = passes(bytes, "atomise")?;
     let after = passes(bytes, "")?;
     let module = equations(bytes, CONTENTS)?;
+    let is_complete =
+        |module: &mut Module, text: &str| execute(module, text, "ideal", seed, None).complete;
     let mut lowered = module.clone();
-    if execute(&mut lowered, &before, seed).is_err() {
+    if !is_complete(&mut lowered, &before) {
         return Ok(Run::default());
     }
     let mut derived = lowered.clone();
@@ -76,7 +75,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
         passes: 1,
         ..Run::default()
     };
-    if execute(&mut derived, &step, seed).is_err() {
+    if !is_complete(&mut derived, &step) {
         return Ok(run);
     }
     if options.contains("jacobian") {
@@ -84,7 +83,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
     }
     run.planted = 1;
     run.caught = u64::from(plant(bytes, &lowered, &derived, &step, seed)?);
-    if !after.is_empty() && execute(&mut derived, &after, seed).is_ok() {
+    if !after.is_empty() && is_complete(&mut derived, &after) {
         run.passes += 1;
     }
     Ok(run)
@@ -110,30 +109,6 @@ fn passes(bytes: &mut Unstructured<'_>, first: &str) -> Result<String> {
         text.push_str(bytes.choose(&OTHERS)?);
     }
     Ok(text)
-}
-
-/// Runs a pipeline under the check; the refusal of a pass is the error.
-fn execute(module: &mut Module, text: &str, seed: u64) -> std::result::Result<(), RunError> {
-    let pipeline = REGISTRY.pipeline(text).expect("made of known passes");
-    let machine = Machine::built_in("ideal").expect("it ships");
-    let before = module.clone();
-    let result = manager::run(
-        module,
-        &pipeline,
-        Config {
-            check_each: Some(POINTS),
-            states: States::new(seed),
-            ..Config::new(&machine, &mut std::io::sink())
-        },
-    );
-    match result {
-        Ok(_) => Ok(()),
-        Err(error @ RunError::Pass { .. }) => Err(error),
-        Err(error) => panic!(
-            "{pipeline}, seed {seed}: {error}\n{}",
-            reduced(&before, &pipeline, RuleSet::built_in(), seed)
-        ),
-    }
 }
 
 /// Compares every element of a Jacobian with difference quotients of two step

@@ -3,20 +3,19 @@
 
 use crate::equations::{Contents, equations};
 use crate::passes;
+use crate::running::run as execute;
 use crate::statistics::{Run, Statistics};
 use arbitrary::{Result, Unstructured};
 use robovec_analysis::class::NumericClass;
 use robovec_analysis::error_bound::{Binary32Bound, Bounded};
-use robovec_framework::manager::{self, Config, Executed, Limit, RunError};
+use robovec_framework::manager::Limit;
 use robovec_framework::pipeline::Pipeline;
-use robovec_framework::reduce::{TrialSetting, WORK, reduce};
 use robovec_ir::evaluate::{evaluate, evaluate_nodes, outputs};
 use robovec_ir::states::States;
-use robovec_ir::{Function, Machine, Module, print};
+use robovec_ir::{Function, Module, print};
 use robovec_num::arithmetic::Binary32;
 use robovec_num::double_double::DoubleDouble;
 use robovec_passes::registry::REGISTRY;
-use robovec_rules::RuleSet;
 
 /// Number of runs of [`errors_stay_within_bounds`], with their inputs.
 pub static STATISTICS: Statistics = Statistics::new("errors_stay_within_bounds");
@@ -51,9 +50,8 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
     let seed = bytes.arbitrary()?;
     let share: u8 = bytes.arbitrary()?;
     let before = equations(bytes, CONTENTS)?;
-    let pipeline = REGISTRY.pipeline(&text).expect("made of known passes");
     let mut after = before.clone();
-    let executed = execute(&mut after, &pipeline, seed, None);
+    let executed = execute(&mut after, &text, "ideal", seed, None).executed;
     let last = executed.last().map_or(0, |pass| pass.rewrites);
     let rewrites = executed.iter().map(|pass| pass.rewrites).sum();
     // The first rewrites alone are right too.
@@ -61,7 +59,8 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
         passes: executed.len() as u64,
         rewrites: Some(last * u64::from(share) / 255),
     };
-    execute(&mut before.clone(), &pipeline, seed, Some(limit));
+    execute(&mut before.clone(), &text, "ideal", seed, Some(limit));
+    let pipeline = REGISTRY.pipeline(&text).expect("made of known passes");
     compare(&before, &after, &pipeline, seed);
     Ok(Run {
         operations: before.functions[0].nodes().len() as u64,
@@ -69,54 +68,6 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
         rewrites,
         ..Run::default()
     })
-}
-
-fn execute(
-    module: &mut Module,
-    pipeline: &Pipeline,
-    seed: u64,
-    limit: Option<Limit>,
-) -> Vec<Executed> {
-    let machine = Machine::built_in("ideal").expect("it ships");
-    let before = module.clone();
-    let mut executed = Vec::new();
-    let result = manager::run(
-        module,
-        pipeline,
-        Config {
-            check_each: Some(2),
-            states: States::new(seed),
-            limit,
-            executed: Some(&mut executed),
-            ..Config::new(&machine, &mut std::io::sink())
-        },
-    );
-    match result {
-        Ok(_) => executed,
-        // A pass may refuse a function, with a reason.
-        Err(RunError::Pass { .. }) => executed,
-        Err(error) => panic!(
-            "{pipeline}, limit {limit:?}, seed {seed}: {error}\n{}",
-            reduced(&before, pipeline, RuleSet::built_in(), seed)
-        ),
-    }
-}
-
-/// The smallest program that shows the failure; the whole program when the
-/// failure is in the first rewrites of a pass.
-pub(crate) fn reduced(module: &Module, pipeline: &Pipeline, rules: RuleSet, seed: u64) -> String {
-    let setting = TrialSetting {
-        machine: &Machine::built_in("ideal").expect("it ships"),
-        rules: &rules,
-        scene: None,
-        target: None,
-        points: 2,
-        seed,
-    };
-    match reduce(module, pipeline, setting, WORK) {
-        Some(found) => format!("{found}{}", print::print_module(&found.program)),
-        None => format!("on {}", print::print_module(module)),
-    }
 }
 
 fn compare(before: &Module, after: &Module, pipeline: &Pipeline, seed: u64) {

@@ -3,14 +3,12 @@
 //! written and read again.
 
 use crate::robotran::text_of_pieces;
+use crate::text::{check_round_trip, check_sound};
 use arbitrary::{Result, Unstructured};
 use robovec::fpcore::{names, read};
 use robovec_cgen::c::Real;
 use robovec_cgen::fpcore::fpcore;
 use robovec_ir::View;
-use robovec_ir::parse::parse_module;
-use robovec_ir::print::print_module;
-use robovec_ir::verify::verify;
 
 /// Pieces that bytes alone would take long to find.
 const PIECES: [&str; 44] = [
@@ -82,51 +80,30 @@ pub fn read_fpcore(data: &[u8]) {
 
 /// A core in which every operation has its operands.
 fn core(bytes: &mut Unstructured<'_>) -> Result<String> {
-    let mut text = String::from("(FPCore f (x y) :pre (<= 1 x 2) ");
-    // What is still to write, the last one first; `None` is an expression.
-    let mut open: Vec<Option<&str>> = vec![Some(")"), None];
-    while let Some(piece) = open.pop() {
-        let Some(piece) = piece else {
-            let choice = if bytes.is_empty() {
-                0
-            } else {
-                bytes.arbitrary::<u8>()? % 16
-            };
-            let parts: &[Option<&str>] = match choice {
-                0..4 => &[Some("x ")],
-                4 => &[Some("y ")],
-                5 => &[Some("-0.1 ")],
-                6 => &[Some("(+ "), None, None, Some(")")],
-                7 => &[Some("(- "), None, None, Some(")")],
-                8 => &[Some("(* "), None, None, Some(")")],
-                9 => &[Some("(/ "), None, None, Some(")")],
-                10 => &[Some("(- "), None, Some(")")],
-                11 => &[Some("(sqrt "), None, Some(")")],
-                12 => &[Some("(fma "), None, None, None, Some(")")],
-                13 => &[
-                    Some("(let ([x "),
-                    None,
-                    Some("][y "),
-                    None,
-                    Some("])"),
-                    None,
-                    Some(")"),
-                ],
-                14 => &[
-                    Some("(let* ([x "),
-                    None,
-                    Some("][y "),
-                    None,
-                    Some("])"),
-                    None,
-                    Some(")"),
-                ],
-                _ => &[Some("(cos "), None, Some(")")],
-            };
-            open.extend(parts.iter().rev());
-            continue;
+    // A `#` is an expression that is still to be chosen.
+    let mut text = String::from("(FPCore f (x y) :pre (<= 1 x 2) #)");
+    while let Some(place) = text.find('#') {
+        let choice = if bytes.is_empty() {
+            0
+        } else {
+            bytes.arbitrary::<u8>()? % 16
         };
-        text.push_str(piece);
+        let term = match choice {
+            0..4 => "x ",
+            4 => "y ",
+            5 => "-0.1 ",
+            6 => "(+ ##)",
+            7 => "(- ##)",
+            8 => "(* ##)",
+            9 => "(/ ##)",
+            10 => "(- #)",
+            11 => "(sqrt #)",
+            12 => "(fma ###)",
+            13 => "(let ([x #][y #])#)",
+            14 => "(let* ([x #][y #])#)",
+            _ => "(cos #)",
+        };
+        text.replace_range(place..=place, term);
     }
     Ok(text)
 }
@@ -144,10 +121,8 @@ fn read_text(text: &str) {
             }
         };
         let view = core.module.tables.view(&core.module.functions[0]);
-        assert_eq!(verify(view), []);
-        let printed = print_module(&core.module);
-        let parsed = parse_module("fuzz", &printed).expect("printed text can be parsed");
-        assert_eq!(print_module(&parsed), printed);
+        check_sound(&core.module);
+        check_round_trip(&core.module);
         let written = fpcore(view, Real::Double, &core.ranges).expect("it is short");
         let again = read("again", &written, None).expect("written cores can be read");
         let tables = &again.module.tables;

@@ -65,10 +65,6 @@ const PRIMES: [[f64; 2]; 10] = [
 ];
 
 /// A literal.
-///
-/// # Errors
-///
-/// Fails when the bytes run out.
 pub(crate) fn number(bytes: &mut Unstructured<'_>) -> Result<f64> {
     Ok(match bytes.int_in_range(0..=15)? {
         0..=6 => power(bytes)?,
@@ -105,10 +101,6 @@ fn power(bytes: &mut Unstructured<'_>) -> Result<f64> {
 }
 
 /// Two literals whose sum is a prime, and no literal itself.
-///
-/// # Errors
-///
-/// Fails when the bytes run out.
 pub(crate) fn prime(bytes: &mut Unstructured<'_>) -> Result<[f64; 2]> {
     bytes.choose(&PRIMES).copied()
 }

@@ -2,11 +2,9 @@
 //! operations on the same operands.
 
 use crate::generate::{Kind, module};
+use crate::text::{check_round_trip, check_sound, lower};
 use arbitrary::{Result, Unstructured};
-use robovec_framework::manager::{self, Config};
-use robovec_ir::verify::verify;
-use robovec_ir::{Function, Level, Machine, Module, OperandKind, View, parse, print};
-use robovec_passes::registry::REGISTRY;
+use robovec_ir::{Function, Level, OperandKind, print};
 use std::collections::BTreeMap;
 
 /// Takes a random module apart, puts it together and takes it apart again.
@@ -23,30 +21,22 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
     let operations = bytes.int_in_range(1..=40)?;
     let kind = *bytes.choose(&[Kind::Tame, Kind::Wild])?;
     let mut module = module(bytes, kind)?;
+    let execute = |module: &mut _, text: &str| assert!(lower(module, text, "thesis"));
     execute(&mut module, "atomise");
     let atomic = module.clone();
     execute(&mut module, &format!("inline{{operations={operations}}}"));
     let text = print::print_module(&module);
     for function in &module.functions {
-        let tables = &module.tables;
         assert_eq!(function.level, Level::Equations);
-        assert_eq!(verify(View { tables, function }), [], "{text}");
         assert!(largest(function) <= operations, "{operations}: {text}");
     }
-    let again = parse::parse_module("printed", &text).expect("printed text reads back");
-    assert!(again == module, "the text differs: {text}");
+    check_sound(&module);
+    check_round_trip(&module);
     execute(&mut module, "atomise");
     for (left, right) in atomic.functions.iter().zip(&module.functions) {
         assert_eq!(shape(left), shape(right), "{text}");
     }
     Ok(())
-}
-
-fn execute(module: &mut Module, text: &str) {
-    let pipeline = REGISTRY.pipeline(text).expect("a known pass");
-    let machine = Machine::built_in("thesis").expect("it ships");
-    let mut log = Vec::new();
-    manager::run(module, &pipeline, Config::new(&machine, &mut log)).expect("the pass works");
 }
 
 /// Operations of the largest equation.

@@ -24,10 +24,6 @@ const FACTORS: [f64; 8] = [
 
 /// The function with one output replaced by a value that a careless rewrite
 /// would confuse with it; `None` where no output is a value.
-///
-/// # Errors
-///
-/// Fails when the bytes run out.
 pub(crate) fn mutate(
     bytes: &mut Unstructured<'_>,
     original: &Function,
@@ -81,10 +77,6 @@ pub(crate) fn mutate(
 }
 
 /// Two versions of a function that differ in the format of one value.
-///
-/// # Errors
-///
-/// Fails when the bytes run out.
 pub(crate) fn formats(bytes: &mut Unstructured<'_>, original: &Function) -> Result<[Function; 2]> {
     let narrow: [Format; 3] = ["f16", "bf16", "f32"].map(|name| name.parse().expect("a format"));
     let count = original.nodes().len();

@@ -1,10 +1,10 @@
 //! Random pipelines over random programs.
 
 use crate::generate::{Kind, module};
+use crate::running::run as run_checked;
+use crate::text::check_round_trip;
 use arbitrary::{Result, Unstructured};
-use robovec_framework::manager::{self, Config};
-use robovec_ir::states::States;
-use robovec_ir::{Level, Machine, Module, parse, print};
+use robovec_ir::{Level, Module};
 use robovec_passes::registry::REGISTRY;
 
 /// Runs a random pipeline over a random module under the verifier and the
@@ -49,36 +49,16 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
+/// Runs a pipeline, which reads back from its own text, and reads the result
+/// back from its text.
 fn execute(module: &mut Module, text: &str, machine: &str) {
     let pipeline = REGISTRY.pipeline(text).expect("made of known passes");
-    assert_eq!(
-        REGISTRY
-            .pipeline(&pipeline.to_string())
-            .expect("printed pipelines read back"),
-        pipeline
-    );
-    let machine = Machine::built_in(machine).expect("it ships");
-    let before = print::print_module(module);
-    let mut log = Vec::new();
-    let result = manager::run(
-        module,
-        &pipeline,
-        Config {
-            check_each: Some(2),
-            states: States::new(7),
-            histories: text.len().is_multiple_of(2),
-            ..Config::new(&machine, &mut log)
-        },
-    );
-    match result {
-        Ok(_) => {}
-        // A machine without a divider refuses a division: that is an answer.
-        Err(manager::RunError::Pass { .. }) => return,
-        Err(error) => panic!("{text}: {error}\non {before}"),
+    let again = REGISTRY.pipeline(&pipeline.to_string());
+    assert_eq!(again.expect("printed pipelines read back"), pipeline);
+    // A machine without a divider refuses a division: that is an answer.
+    if run_checked(module, text, machine, text.len() as u64, None).complete {
+        check_round_trip(module);
     }
-    let printed = print::print_module(module);
-    let again = parse::parse_module("printed", &printed).expect("printed text reads back");
-    assert!(again == *module, "{text}: the printed text differs");
 }
 
 #[cfg(test)]

@@ -1,10 +1,8 @@
 //! Random programs in more accurate forms and in mixed formats.
 
 use crate::generate::{Kind, module};
+use crate::running::run as run_checked;
 use arbitrary::{Result, Unstructured};
-use robovec_framework::manager::{self, Config, RunError};
-use robovec_ir::{Machine, Module, print};
-use robovec_passes::registry::REGISTRY;
 
 /// Runs `accurate` with random budgets and `mixed` with a random error over a
 /// random program.
@@ -28,26 +26,10 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<bool> {
         None => format!("accurate{{format={format}}}"),
         Some(options) => format!("{options} format={format}}}").replacen('{', "accurate{", 1),
     };
-    let kept = execute(&mut module, &format!("atomise,{accurate}"), machine);
+    let mut execute = |text: &str| run_checked(&mut module, text, machine, 1, None).complete;
+    let kept = execute(&format!("atomise,{accurate}"));
     let mixed = format!("mixed{{error={error} narrow=bf16 between=2 states=8}}");
-    Ok(execute(&mut module, &mixed, machine) && kept)
-}
-
-/// False when a pass has a reason to refuse the function.
-fn execute(module: &mut Module, text: &str, machine: &str) -> bool {
-    let pipeline = REGISTRY.pipeline(text).expect("made of known passes");
-    let machine = Machine::built_in(machine).expect("it ships");
-    let before = print::print_module(module);
-    let mut log = Vec::new();
-    let config = Config {
-        check_each: Some(2),
-        ..Config::new(&machine, &mut log)
-    };
-    match manager::run(module, &pipeline, config) {
-        Ok(_) => true,
-        Err(RunError::Pass { .. }) => false,
-        Err(error) => panic!("{text}: {error}\non {before}"),
-    }
+    Ok(execute(&mixed) && kept)
 }
 
 #[cfg(test)]

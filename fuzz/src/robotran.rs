@@ -1,11 +1,9 @@
 //! The reader must read or refuse any text without panic or hang, and its
 //! result must be a sound module.
 
+use crate::text::{check_round_trip, check_sound};
 use arbitrary::{Result, Unstructured};
 use robovec::robotran::{Language, read};
-use robovec_ir::parse::parse_module;
-use robovec_ir::print::print_module;
-use robovec_ir::verify::verify;
 
 /// Pieces that bytes alone would take long to find.
 const PIECES: [&str; 104] = [
@@ -156,14 +154,8 @@ fn read_bytes(bytes: &[u8], language: Option<Language>) {
             return;
         }
     };
-    for function in &module.functions {
-        let view = module.tables.view(function);
-        let violations = verify(view);
-        assert!(violations.is_empty(), "{violations:?}");
-    }
-    let text = print_module(&module);
-    let again = parse_module("fuzz", &text).expect("printed text can be parsed");
-    assert_eq!(print_module(&again), text);
+    check_sound(&module);
+    check_round_trip(&module);
 }
 
 #[cfg(test)]

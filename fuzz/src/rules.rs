@@ -3,8 +3,8 @@
 //! detected and reduced to itself.
 
 use crate::equations::{Contents, equations};
-use crate::errors::reduced;
 use crate::rewriting::{BELIEVE, instance, plain};
+use crate::running::reduced;
 use crate::statistics::{Run, Statistics};
 use crate::term::Term;
 use arbitrary::{Result, Unstructured};
@@ -96,7 +96,7 @@ fn run(bytes: &mut Unstructured<'_>) -> Result<Run> {
         }
         (Err(error), _) => panic!(
             "{pipeline}, seed {seed}: {error}\n{text}{}",
-            reduced(&module, &pipeline, rules, seed)
+            reduced(&module, &pipeline, &ideal(), &rules, seed)
         ),
     }
     Ok(outcome)
@@ -198,13 +198,17 @@ fn pipeline(bytes: &mut Unstructured<'_>) -> Result<(Pipeline, bool)> {
     Ok((Pipeline { steps, registry }, believes))
 }
 
+fn ideal() -> Machine {
+    Machine::built_in("ideal").expect("it ships")
+}
+
 fn execute(
     module: &Module,
     pipeline: &Pipeline,
     rules: &RuleSet,
     seed: u64,
 ) -> (std::result::Result<(), RunError>, Module, Vec<Executed>) {
-    let machine = Machine::built_in("ideal").expect("it ships");
+    let machine = ideal();
     let mut after = module.clone();
     let mut executed = Vec::new();
     let result = manager::run(
@@ -231,7 +235,7 @@ fn same(before: &Module, after: &Module) -> bool {
 
 fn small(module: &Module, pipeline: &Pipeline, rules: &RuleSet, seed: u64) -> Reduction {
     let setting = TrialSetting {
-        machine: &Machine::built_in("ideal").expect("it ships"),
+        machine: &ideal(),
         rules,
         scene: None,
         target: None,

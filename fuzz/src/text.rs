@@ -8,7 +8,7 @@ use robovec_ir::machine::BUILT_IN;
 use robovec_ir::parse::parse_module;
 use robovec_ir::print::print_module;
 use robovec_ir::verify::verify;
-use robovec_ir::{Function, Level, Machine, Module, View};
+use robovec_ir::{Function, Level, Machine, Module};
 use robovec_passes::registry::REGISTRY;
 use std::io;
 
@@ -33,10 +33,7 @@ pub fn parse_text(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
     match parse_module("fuzz", &text) {
         Ok(module) => {
-            for function in &module.functions {
-                let tables = &module.tables;
-                assert_eq!(verify(View { tables, function }), []);
-            }
+            check_sound(&module);
             check_round_trip(&module);
         }
         Err(diagnostics) => {
@@ -78,7 +75,7 @@ fn check_random(bytes: &mut Unstructured<'_>) -> Result<bool> {
 
 /// Runs a pipeline; false when the machine lacks an operation that the module
 /// needs.
-fn lower(module: &mut Module, pipeline: &str, machine: &str) -> bool {
+pub(crate) fn lower(module: &mut Module, pipeline: &str, machine: &str) -> bool {
     let pipeline = match REGISTRY.pipeline(pipeline) {
         Ok(pipeline) => pipeline,
         Err(error) => panic!("{error:?}"),
@@ -92,7 +89,15 @@ fn lower(module: &mut Module, pipeline: &str, machine: &str) -> bool {
     }
 }
 
-fn check_round_trip(module: &Module) {
+/// Tests whether the verifier accepts all functions.
+pub(crate) fn check_sound(module: &Module) {
+    for function in &module.functions {
+        assert_eq!(verify(module.tables.view(function)), []);
+    }
+}
+
+/// Tests whether a module is unchanged after it is printed and read.
+pub(crate) fn check_round_trip(module: &Module) {
     let text = print_module(module);
     let read = match parse_module("printed", &text) {
         Ok(read) => read,

@@ -6,7 +6,7 @@ use super::promise::Promise;
 use crate::hostile;
 use crate::referee::{self, BITS, Leniency, Opinion, Real, Referee};
 use robovec_analysis::class::NumericClass;
-use robovec_ir::{Array, View, print};
+use robovec_ir::{Output, View, print};
 use robovec_num::random::mix;
 use std::collections::BTreeMap;
 
@@ -123,15 +123,12 @@ impl Pairing<'_> {
     ) -> std::result::Result<Vec<(usize, usize)>, String> {
         let mut found = BTreeMap::new();
         for (place, assignment) in new.function.assignments.iter().enumerate() {
-            found.insert(
-                element(new, new.function.outputs(), assignment.output.0),
-                place,
-            );
+            found.insert(element(new, assignment.output), place);
         }
         let assignments = old.function.assignments.iter().enumerate();
         assignments
             .map(|(place, assignment)| {
-                let (name, offset) = element(old, old.function.outputs(), assignment.output.0);
+                let (name, offset) = element(old, assignment.output);
                 let name = match &self.promise.instances {
                     Some(instances) => instances.array(&name, self.instance, false),
                     None => name,
@@ -174,16 +171,10 @@ impl Pairing<'_> {
 }
 
 /// The array and the place in it of a flattened element.
-fn element(view: View<'_>, arrays: &[Array], index: u32) -> (String, u32) {
-    let after = arrays.partition_point(|array| array.offset <= index);
-    // Arrays without elements begin where the next one does.
-    let array = arrays[..after]
-        .iter()
-        .rev()
-        .find(|array| !array.shape.is_empty())
-        .expect("an element lies in an array");
+fn element(view: View<'_>, output: Output) -> (String, u32) {
+    let array = &view.function.outputs()[view.function.output_array(output)];
     let name = view.tables.symbols.text(array.name);
-    (name.to_owned(), index - array.offset)
+    (name.to_owned(), output.0 - array.offset)
 }
 
 fn describe(view: View<'_>, inputs: &[f64]) -> String {

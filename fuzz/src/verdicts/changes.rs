@@ -6,9 +6,6 @@ use arbitrary::{Result, Unstructured};
 use robovec_ir::Operation;
 use robovec_rules::{Pattern, PatternNode, Rule};
 
-/// Places at which a changed rule is tried before it counts as true.
-const PLACES: usize = 24;
-
 /// A false rule made from a true one; `None` when the change did not make it
 /// false, or not for certain.
 pub(super) fn changed(bytes: &mut Unstructured<'_>, rule: &Rule) -> Result<Option<Rule>> {
@@ -34,7 +31,7 @@ pub(super) fn changed(bytes: &mut Unstructured<'_>, rule: &Rule) -> Result<Optio
     let Some(again) = parsed(&changed.to_string()) else {
         return Ok(None);
     };
-    Ok((certain || precise::is_false(&again, PLACES)).then_some(again))
+    Ok((certain || precise::is_false(&again)).then_some(again))
 }
 
 /// A node that a test takes.

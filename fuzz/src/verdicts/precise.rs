@@ -1,91 +1,17 @@
 //! Rules in numbers of 2,000 bits.
 
-use astro_float::{BigFloat, Consts, RoundingMode};
-use robovec_ir::Operation;
+use crate::referee::{Leniency, Opinion, Referee, compare};
+use crate::rewriting::instance;
+use robovec_ir::{Function, Input, Level, Operand, Output, Shape, SourceSet, Tables};
 use robovec_num::random::Random;
-use robovec_rules::{Pattern, PatternNode, Rule};
+use robovec_rules::{PatternNode, Rule};
 
 const BITS: usize = 2_048;
-const ROUNDING: RoundingMode = RoundingMode::ToEven;
 
-/// Differences below this power of two of the largest number may be equal.
-const EQUAL: i64 = -1_000;
-/// Divisors must be larger than this power of two of the largest number, so
-/// that hardly any bit is lost.
-const CLOSE: i64 = -200;
+/// Places at which a rule is tried before it counts as true.
+const PLACES: usize = 24;
 
-/// Side of a comparison.
-enum Side {
-    /// Its value, and the largest exponent of all numbers on the way.
-    Value(BigFloat, i64),
-    /// Not defined, for certain.
-    Undefined,
-    /// Too close to decide.
-    Unknown,
-}
-
-fn exponent(number: &BigFloat) -> i64 {
-    if number.is_zero() {
-        i64::MIN / 4
-    } else {
-        number.exponent().map_or(i64::MAX / 4, i64::from)
-    }
-}
-
-fn evaluate(pattern: &Pattern, values: &[f64], constants: &mut Consts) -> Side {
-    let mut numbers: Vec<BigFloat> = Vec::with_capacity(pattern.nodes.len());
-    let (mut largest, mut exact) = (0i64, true);
-    for node in &pattern.nodes {
-        let number = match *node {
-            PatternNode::Variable(variable) => BigFloat::from_f64(values[variable as usize], BITS),
-            PatternNode::Number(number) => BigFloat::from_f64(number, BITS),
-            PatternNode::Operation(operation, [a, b]) => {
-                let (a, b) = (&numbers[a as usize], &numbers[b as usize]);
-                let partial = match operation {
-                    Operation::Div => Some(b),
-                    Operation::Sqrt => Some(a),
-                    _ => None,
-                };
-                if let Some(operand) = partial {
-                    let clear = exponent(operand) > largest + CLOSE;
-                    let is_root = operation == Operation::Sqrt;
-                    if exact && operand.is_zero() && !is_root
-                        || clear && is_root && operand.is_negative()
-                    {
-                        return Side::Undefined;
-                    }
-                    if !(clear || exact && operand.is_zero()) {
-                        return Side::Unknown;
-                    }
-                }
-                match operation {
-                    Operation::Neg => a.neg(),
-                    Operation::Add => a.add(b, BITS, ROUNDING),
-                    Operation::Sub => a.sub(b, BITS, ROUNDING),
-                    Operation::Mul => a.mul(b, BITS, ROUNDING),
-                    Operation::Div => a.div(b, BITS, ROUNDING),
-                    Operation::Sqrt => a.sqrt(BITS, ROUNDING),
-                    Operation::Sin | Operation::Cos if exponent(a) > 300 => return Side::Unknown,
-                    Operation::Sin => a.sin(BITS, ROUNDING, constants),
-                    Operation::Cos => a.cos(BITS, ROUNDING, constants),
-                    _ => return Side::Unknown,
-                }
-            }
-        };
-        exact &= !number.inexact();
-        if number.is_nan() || number.is_inf() {
-            return Side::Unknown;
-        }
-        largest = largest.max(exponent(&number));
-        numbers.push(number);
-    }
-    match numbers.pop() {
-        Some(number) => Side::Value(number, largest),
-        None => Side::Unknown,
-    }
-}
-
-/// Places at which rules are tried, by number.
+/// One of the places at which rules are tried.
 fn place(rule: &Rule, number: usize) -> Vec<f64> {
     let mut random = Random::new(number as u64 + 1);
     let mut next = |limit: u64| random.bits() % limit;
@@ -120,22 +46,27 @@ fn place(rule: &Rule, number: usize) -> Vec<f64> {
 }
 
 /// True when numbers show that a rule is false.
-pub(super) fn is_false(rule: &Rule, places: usize) -> bool {
-    let Ok(mut constants) = Consts::new() else {
-        return false;
-    };
-    (0..places).any(|number| {
-        let values = place(rule, number);
-        let Side::Value(left, first) = evaluate(&rule.left, &values, &mut constants) else {
-            return false;
-        };
-        match evaluate(&rule.right, &values, &mut constants) {
-            Side::Unknown => false,
-            Side::Undefined => true,
-            Side::Value(right, second) => {
-                let difference = left.sub(&right, BITS, ROUNDING);
-                exponent(&difference) > first.max(second) + EQUAL
-            }
-        }
+pub(super) fn is_false(rule: &Rule) -> bool {
+    let sides = sides(rule);
+    let mut referee = Referee::new(BITS);
+    (0..PLACES).any(|number| {
+        let values = referee.evaluate(&sides, &place(rule, number), Leniency::default());
+        let opinion = compare(&values[0], &values[1]);
+        matches!(opinion, Opinion::Different | Opinion::Lost)
     })
+}
+
+/// A function of the variables of a rule whose outputs are its two sides.
+fn sides(rule: &Rule) -> Function {
+    let symbols = &mut Tables::default().symbols;
+    let mut function = Function::new("rule", Level::Equations);
+    let count = rule.variables.len() as u32;
+    function.add_input(symbols.intern("x"), Shape::Vector(count));
+    function.add_output(symbols.intern("y"), Shape::Vector(2));
+    let variables: Vec<Operand> = (0..count).map(|index| Input(index).into()).collect();
+    for (output, side) in (0..).zip([&rule.left, &rule.right]) {
+        let root = instance(side, &variables, &mut function);
+        function.assign(Output(output), root, SourceSet::EMPTY);
+    }
+    function
 }

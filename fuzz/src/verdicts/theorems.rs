@@ -84,47 +84,17 @@ const THEOREMS: &[&str] = &[
 ];
 
 /// Numbers: whole and broken, huge and tiny, powers of two about 61.
-const NUMBERS: &[&str] = &[
-    "1",
-    "2",
-    "3",
-    "5",
-    "7",
-    "9",
-    "12",
-    "100",
-    "538",
-    "1031",
-    "0.5",
-    "0.25",
-    "1.5",
-    "0.1",
-    "0.3",
-    "2.7",
-    "9.81",
-    "0.001",
-    "1e-9",
-    "1e6",
-    "1e9",
-    "123456.789",
-    "2305843009213693952",
-    "4611686018427387904",
-    "4.336808689942018e-19",
-    "2147483648",
-    "1e-30",
-    "1e30",
-    "1e100",
-    "1e-100",
-    "1e-300",
-    "1e300",
-];
+const NUMBERS: &str = "1 2 3 5 7 9 12 100 538 1031 0.5 0.25 1.5 0.1 0.3 2.7 9.81 0.001 1e-9 \
+    1e6 1e9 123456.789 2305843009213693952 4611686018427387904 4.336808689942018e-19 \
+    2147483648 1e-30 1e30 1e100 1e-100 1e-300 1e300";
 
 /// A number that occurs in programs, or a hostile one.
 pub(super) fn number(bytes: &mut Unstructured<'_>) -> Result<String> {
     if bytes.ratio(1, 2)? {
         return Ok(bytes.int_in_range(1..=40)?.to_string());
     }
-    Ok((*bytes.choose(NUMBERS)?).to_owned())
+    let numbers: Vec<&str> = NUMBERS.split(' ').collect();
+    Ok((*bytes.choose(&numbers)?).to_owned())
 }
 
 /// A term without divisions, in parentheses.
