@@ -464,6 +464,13 @@ impl Function {
             .map(|constant| self.constant_number(constant))
     }
 
+    /// The operands of all nodes, then those of the assignments.
+    pub fn reads(&self) -> impl Iterator<Item = Operand> + '_ {
+        let nodes = self.nodes.iter().flat_map(Node::operands);
+        let outputs = self.assignments.iter().map(|output| &output.operand);
+        nodes.chain(outputs).copied()
+    }
+
     /// The number of reads of each value, by nodes and outputs together.
     pub fn use_counts(&self) -> Vec<u32> {
         let mut counts = vec![0; self.nodes.len()];

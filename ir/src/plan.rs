@@ -171,19 +171,11 @@ impl EvaluationPlan {
         literals: impl Iterator<Item = A::Number>,
         memory: &mut Vec<A::Number>,
     ) -> Vec<A::Number> {
-        assert_eq!(inputs.len(), self.inputs, "one number per input element");
         memory.clear();
         memory.extend_from_slice(inputs);
-        memory.extend(literals);
-        let fixed = self.inputs + self.literals.len();
-        assert_eq!(memory.len(), fixed, "one number per literal");
-        memory.resize(self.places, arithmetic.literal(0.0));
-        for step in &self.steps {
-            let operands = step.operands.map(|place| &memory[place as usize]);
-            memory[step.result as usize] = arithmetic.apply_read(step.operation, operands);
-        }
-        let outputs = self.outputs.iter();
-        outputs.map(|&place| memory[place as usize]).collect()
+        self.steps(inputs.len(), literals, memory, |operation, operands| {
+            arithmetic.apply_read(operation, operands)
+        })
     }
 
     /// The values of the wanted outputs in numbers that are not copied, such as
@@ -197,19 +189,31 @@ impl EvaluationPlan {
         &self,
         inputs: &[f64],
         mut literal: impl FnMut(f64) -> T,
+        apply: impl FnMut(Operation, [&T; 3]) -> T,
+    ) -> Vec<T> {
+        let mut memory: Vec<T> = inputs.iter().map(|&number| literal(number)).collect();
+        let literals = self.literals.iter().map(|&number| literal(number));
+        self.steps(inputs.len(), literals, &mut memory, apply)
+    }
+
+    /// Carries out all steps in a memory that holds the inputs.
+    #[inline]
+    fn steps<T: Clone>(
+        &self,
+        inputs: usize,
+        literals: impl Iterator<Item = T>,
+        memory: &mut Vec<T>,
         mut apply: impl FnMut(Operation, [&T; 3]) -> T,
     ) -> Vec<T> {
-        assert_eq!(inputs.len(), self.inputs, "one number per input element");
-        let fixed = inputs.iter().chain(&self.literals);
-        let mut memory: Vec<T> = fixed.map(|&number| literal(number)).collect();
-        memory.resize(self.places, literal(0.0));
+        assert_eq!(inputs, self.inputs, "one number per input element");
+        memory.extend(literals);
+        let fixed = self.inputs + self.literals.len();
+        assert_eq!(memory.len(), fixed, "one number per literal");
+        // Any number; a place is written before it is read.
+        memory.resize(self.places, memory[fixed - 1].clone());
         for step in &self.steps {
             let operands = step.operands.map(|place| &memory[place as usize]);
-            let result = match step.operation {
-                Operation::Copy => operands[0].clone(),
-                operation => apply(operation, operands),
-            };
-            memory[step.result as usize] = result;
+            memory[step.result as usize] = apply(step.operation, operands);
         }
         let outputs = self.outputs.iter();
         outputs

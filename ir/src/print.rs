@@ -28,82 +28,73 @@ pub const HEADER: &str = "// robovec 1";
 /// Passes on the errors of the writer.
 pub fn write_module(module: &Module, writer: &mut dyn io::Write) -> io::Result<()> {
     let mut text = Text::new(writer);
-    text.file_header(&module.tables);
-    for function in &module.functions {
-        text.push("\n");
-        let view = module.tables.view(function);
-        FunctionPrinter::new(view).print(&mut text)?;
-    }
+    module_text(module, &mut text)?;
     text.finish()
 }
 
 /// A module as a string, in the text form.
 pub fn print_module(module: &Module) -> String {
-    let mut bytes = Vec::new();
-    write_module(module, &mut bytes).expect(NEVER_FULL);
-    text_of(bytes)
+    printed(|text| module_text(module, text))
 }
 
-/// Message of a write into a vector, which never fails.
-const NEVER_FULL: &str = "a vector takes every byte";
+fn module_text(module: &Module, text: &mut Text<'_>) -> io::Result<()> {
+    text.file_header(&module.tables);
+    for function in &module.functions {
+        text.push("\n");
+        let view = module.tables.view(function);
+        FunctionPrinter::new(view).print(text)?;
+    }
+    Ok(())
+}
 
-/// The text that was printed into a vector.
-fn text_of(bytes: Vec<u8>) -> String {
+/// The text that is printed into a vector.
+fn printed(print: impl FnOnce(&mut Text<'_>) -> io::Result<()>) -> String {
+    let mut bytes = Vec::new();
+    let mut text = Text::new(&mut bytes);
+    let done = print(&mut text).and_then(|()| text.finish());
+    done.expect("a vector takes every byte");
     String::from_utf8(bytes).expect("what is printed is UTF-8")
 }
 
 /// One function as its own whole text.
 pub fn print_file(view: View<'_>) -> String {
-    let mut bytes = Vec::new();
-    let mut text = Text::new(&mut bytes);
-    text.file_header(view.tables);
-    text.push("\n");
-    FunctionPrinter::new(view)
-        .print(&mut text)
-        .and_then(|()| text.finish())
-        .expect(NEVER_FULL);
-    text_of(bytes)
+    printed(|text| {
+        text.file_header(view.tables);
+        text.push("\n");
+        FunctionPrinter::new(view).print(text)
+    })
 }
 
 /// One function as a string, as written in the text of its module.
 pub fn print_function(view: View<'_>) -> String {
-    let mut bytes = Vec::new();
-    let mut text = Text::new(&mut bytes);
-    FunctionPrinter::new(view)
-        .print(&mut text)
-        .and_then(|()| text.finish())
-        .expect(NEVER_FULL);
-    text_of(bytes)
+    printed(|text| FunctionPrinter::new(view).print(text))
 }
 
 /// The definition of one value as written in the text, without indentation
 /// and line end; the whole expression tree at the equations level.
 pub fn print_definition(view: View<'_>, value: Value) -> String {
-    let mut bytes = Vec::new();
-    let mut text = Text::new(&mut bytes);
-    FunctionPrinter::new(view).definition(&mut text, value);
-    text.finish().expect(NEVER_FULL);
-    text_of(bytes)
+    printed(|text| {
+        FunctionPrinter::new(view).definition(text, value);
+        Ok(())
+    })
 }
 
 /// An output element as written in the text (`M[1,2]`).
 pub fn print_output(view: View<'_>, output: crate::Output) -> String {
     let (array, indices, rank) = view.function.output_element(output);
-    let mut bytes = Vec::new();
-    let mut text = Text::new(&mut bytes);
-    text.element(view.tables, array, &indices[..rank]);
-    text.finish().expect(NEVER_FULL);
-    text_of(bytes)
+    printed(|text| {
+        text.element(view.tables, array, &indices[..rank]);
+        Ok(())
+    })
 }
 
 /// An operand as written in the text (`%OM16`, `q[3]`, `0.5`); a value
 /// without a name as its expression.
 pub fn print_operand(view: View<'_>, operand: Operand) -> String {
-    let mut bytes = Vec::new();
-    let mut text = Text::new(&mut bytes);
-    FunctionPrinter::new(view).operand(&mut text, operand);
-    text.finish().expect(NEVER_FULL);
-    text_of(bytes)
+    printed(|text| {
+        FunctionPrinter::new(view).operand(text, operand);
+        Ok(())
+    })
 }
 
 struct FunctionPrinter<'a> {

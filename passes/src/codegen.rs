@@ -203,90 +203,10 @@ impl Pass for Codegen {
                 write_rtl(view, context.machine, self.crossbar, &mut folder)
                     .map_err(|error| explain_rtl(&error))?;
             }
-            CodegenTarget::C
-            | CodegenTarget::Rolled
-            | CodegenTarget::Batch
-            | CodegenTarget::Fpcore
-            | CodegenTarget::Casadi
-            | CodegenTarget::Rust
-            | CodegenTarget::Numpy
-            | CodegenTarget::Jax
-            | CodegenTarget::Mlir
-            | CodegenTarget::Llvm
-            | CodegenTarget::Template => {
-                let own = match self.number {
-                    Real::Double => Format::BINARY64,
-                    Real::Float => Format::BINARY32,
-                };
-                if let Some((value, format)) = foreign_format(view, own) {
-                    let code = match self.target {
-                        CodegenTarget::Fpcore => "FPCore",
-                        CodegenTarget::C
-                        | CodegenTarget::Rolled
-                        | CodegenTarget::Batch
-                        | CodegenTarget::Casadi => "C code",
-                        _ => "generated code",
-                    };
-                    let message = format!(
-                        "'%{value}' is computed as {format}, and the {code} computes in {}",
-                        self.number.name()
-                    );
-                    let help = "set formats of values only for a machine";
-                    return Err(PassError::new(message).help(help));
-                }
-                let files: Vec<(String, String)> = match self.target {
-                    CodegenTarget::Rolled => {
-                        let options = rolled::Options {
-                            real: self.number,
-                            circular: self.circular,
-                        };
-                        let rolled = rolled_files(view, options)
-                            .map_err(|error| PassError::new(error.to_string()))?;
-                        context.statistics.extend(rolled.summary.statistics());
-                        rolled.files.into()
-                    }
-                    CodegenTarget::Batch => batch_files(view, &self.batch_options()?).into(),
-                    CodegenTarget::Fpcore => {
-                        let none = Ranges::default();
-                        let ranges = context.scene.map_or(&none, |scene| &scene.ranges);
-                        let name = format!("{}.fpcore", view.function.name);
-                        let text = fpcore(view, self.number, ranges).ok_or_else(|| {
-                            PassError::new("the cores of all outputs together are too large, because they repeat shared operations")
-                                .help("keep the outputs that are needed: a scene and 'specialise'")
-                        })?;
-                        vec![(name, text)]
-                    }
-                    CodegenTarget::Casadi => {
-                        let options = self.casadi_options()?;
-                        let file = casadi::file(function, self.derivatives, &options, context)?;
-                        vec![(file.name, file.text)]
-                    }
-                    CodegenTarget::Rust
-                    | CodegenTarget::Numpy
-                    | CodegenTarget::Jax
-                    | CodegenTarget::Mlir
-                    | CodegenTarget::Llvm
-                    | CodegenTarget::Template => vec![self.templated(view, context.target)?],
-                    _ => {
-                        let kept;
-                        let view = match self.sparse {
-                            true => {
-                                kept = c::layout::without_zeros(function.clone());
-                                View {
-                                    function: &kept,
-                                    ..view
-                                }
-                            }
-                            false => view,
-                        };
-                        c::files(view, &self.options()?).map_err(refuse)?.into()
-                    }
-                };
-                context.artifacts.extend(
-                    files
-                        .into_iter()
-                        .map(|(name, text)| Artifact { name, text }),
-                );
+            _ => {
+                let files = self.files(function, context)?.into_iter();
+                let files = files.map(|(name, text)| Artifact { name, text });
+                context.artifacts.extend(files);
             }
         }
         let new = &context.artifacts[before..];
@@ -306,6 +226,75 @@ fn explain_rtl(error: &RtlError) -> PassError {
 }
 
 impl Codegen {
+    /// The files of a target that computes in the format of a processor.
+    fn files(
+        &self,
+        function: &Function,
+        context: &mut Context<'_>,
+    ) -> Result<Vec<(String, String)>, PassError> {
+        let view = context.tables.view(function);
+        self.check_format(view)?;
+        Ok(match self.target {
+            CodegenTarget::C if self.sparse => {
+                let function = &c::layout::without_zeros(function.clone());
+                let view = View { function, ..view };
+                c::files(view, &self.options()?).map_err(refuse)?.into()
+            }
+            CodegenTarget::C => c::files(view, &self.options()?).map_err(refuse)?.into(),
+            CodegenTarget::Rolled => {
+                let options = rolled::Options {
+                    real: self.number,
+                    circular: self.circular,
+                };
+                let rolled = rolled_files(view, options)
+                    .map_err(|error| PassError::new(error.to_string()))?;
+                context.statistics.extend(rolled.summary.statistics());
+                rolled.files.into()
+            }
+            CodegenTarget::Batch => batch_files(view, &self.batch_options()?).into(),
+            CodegenTarget::Fpcore => {
+                let none = Ranges::default();
+                let ranges = context.scene.map_or(&none, |scene| &scene.ranges);
+                let name = format!("{}.fpcore", view.function.name);
+                let text = fpcore(view, self.number, ranges).ok_or_else(|| {
+                    PassError::new("the cores of all outputs together are too large, because they repeat shared operations")
+                        .help("keep the outputs that are needed: a scene and 'specialise'")
+                })?;
+                vec![(name, text)]
+            }
+            CodegenTarget::Casadi => {
+                let options = self.casadi_options()?;
+                let file = casadi::file(function, self.derivatives, &options, context)?;
+                vec![(file.name, file.text)]
+            }
+            _ => vec![self.templated(view, context.target)?],
+        })
+    }
+
+    /// Refuses a value in another format than that of the code.
+    fn check_format(&self, view: View<'_>) -> Result<(), PassError> {
+        let own = match self.number {
+            Real::Double => Format::BINARY64,
+            Real::Float => Format::BINARY32,
+        };
+        let Some((value, format)) = foreign_format(view, own) else {
+            return Ok(());
+        };
+        let code = match self.target {
+            CodegenTarget::Fpcore => "FPCore",
+            CodegenTarget::C
+            | CodegenTarget::Rolled
+            | CodegenTarget::Batch
+            | CodegenTarget::Casadi => "C code",
+            _ => "generated code",
+        };
+        let message = format!(
+            "'%{value}' is computed as {format}, and the {code} computes in {}",
+            self.number.name()
+        );
+        Err(PassError::new(message).help("set formats of values only for a machine"))
+    }
+
     /// The options of batch code.
     fn batch_options(&self) -> Result<batch::Options, PassError> {
         if !batch::LANES.contains(&self.lanes) {
@@ -323,9 +312,7 @@ impl Codegen {
             ..defaults
         })
     }
-}
 
-impl Codegen {
     /// The options of C code.
     fn options(&self) -> Result<Options, PassError> {
         self.check_superwords()?;

@@ -282,7 +282,7 @@ impl<'a> Copier<'a> {
                 self.new.constant(number).into()
             }
             OperandKind::Input(input) => {
-                let place = place_of(self.old.inputs(), input.0);
+                let place = self.old.input_array(input);
                 let array = &self.old.inputs()[place];
                 let offset = self.inputs[place * count as usize + instance as usize - 1];
                 Input(offset + input.0 - array.offset).into()
@@ -296,7 +296,7 @@ impl<'a> Copier<'a> {
         let count = self.instances.count;
         for assignment in &old.assignments {
             let output = assignment.output.0;
-            let place = place_of(old.outputs(), output);
+            let place = old.output_array(assignment.output);
             let array = &old.outputs()[place];
             for instance in 1..=count {
                 let offset = self.outputs[place * count as usize + instance as usize - 1];
@@ -314,11 +314,4 @@ impl<'a> Copier<'a> {
     fn finish(self) -> Function {
         self.new
     }
-}
-
-/// The place of the array that holds an element.
-fn place_of(arrays: &[Array], element: u32) -> usize {
-    // Empty arrays share their offset with the next one; the last that starts
-    // at or before the element holds it.
-    arrays.partition_point(|array| array.offset <= element) - 1
 }

@@ -91,14 +91,8 @@ impl Images {
     /// Images for a function; on the `circle`, values are also equal that
     /// need sin² + cos² = 1 for it.
     pub fn of(function: &Function, circle: bool) -> Images {
-        let mut constants: Vec<u64> = function
-            .nodes()
-            .iter()
-            .flat_map(|node| node.operands())
-            .chain(function.assignments.iter().map(|set| &set.operand))
-            .filter_map(|&operand| function.number(operand))
-            .map(f64::to_bits)
-            .collect();
+        let numbers = function.reads().filter_map(|read| function.number(read));
+        let mut constants: Vec<u64> = numbers.map(f64::to_bits).collect();
         constants.sort_unstable();
         constants.dedup();
         let seed = constants

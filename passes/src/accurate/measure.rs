@@ -6,10 +6,10 @@
 //! array, an array by its largest error over its largest element, as in
 //! [`robovec_analysis::accuracy`].
 
-use robovec_ir::evaluate::evaluate;
+use robovec_analysis::accuracy::evaluate_at;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
-use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
+use robovec_num::arithmetic::{Binary32, Binary64};
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::soft_float::FormatArithmetic;
 
@@ -41,31 +41,31 @@ impl ReferenceOutputs {
         let inputs: Vec<Vec<f64>> = (first..first + count)
             .map(|index| states.draw(view, index))
             .collect();
-        let exact = inputs
-            .iter()
-            .map(|state| run(view.function, &DoubleDouble, state))
-            .collect();
-        let outputs = view.function.outputs();
-        let assignments = view.function.assignments.iter();
-        let array = |place: u32| outputs.partition_point(|array| array.offset <= place) - 1;
+        let function = view.function;
+        let assignments = function.assignments.iter();
         ReferenceOutputs {
+            exact: inputs
+                .iter()
+                .map(|state| evaluate_at(function, &DoubleDouble, state))
+                .collect(),
             inputs,
-            exact,
-            arrays: assignments.map(|a| array(a.output.0)).collect(),
-            count: outputs.len(),
+            arrays: assignments
+                .map(|a| function.output_array(a.output))
+                .collect(),
+            count: function.outputs().len(),
         }
     }
 
     pub(crate) fn errors(&self, function: &Function, format: Format) -> Errors {
         match format {
             Format::BINARY32 => self.errors_of(|state| {
-                let outputs = run(function, &Binary32, state);
+                let outputs = evaluate_at(function, &Binary32, state);
                 outputs.into_iter().map(f64::from).collect()
             }),
-            Format::BINARY64 => self.errors_of(|state| run(function, &Binary64, state)),
+            Format::BINARY64 => self.errors_of(|state| evaluate_at(function, &Binary64, state)),
             _ => {
                 let arithmetic = FormatArithmetic::new(format);
-                self.errors_of(|state| run(function, &arithmetic, state))
+                self.errors_of(|state| evaluate_at(function, &arithmetic, state))
             }
         }
     }
@@ -125,12 +125,6 @@ impl Errors {
         let logarithms = self.relative.max(1e-40).log2() + median.log2() + most.log2();
         (logarithms / 3.0).exp2()
     }
-}
-
-/// The outputs for the inputs of a state.
-fn run<A: Arithmetic>(function: &Function, arithmetic: &A, state: &[f64]) -> Vec<A::Number> {
-    let inputs: Vec<A::Number> = state.iter().map(|&x| arithmetic.literal(x)).collect();
-    evaluate(function, arithmetic, &inputs)
 }
 
 /// The distance of a number from the exact one; NaN where that is not finite.

@@ -22,6 +22,7 @@
 //! A lane with a number that is not finite has no meaning there and counts as
 //! zero.
 
+use robovec_analysis::adjoint::{tangent, third};
 use robovec_ir::evaluate::evaluate_nodes;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Node, Operand, OperandKind, Operation, View};
@@ -131,7 +132,8 @@ impl SensitivityProfile {
         let [a, b, _] = node.operands.map(|operand| self.operand(function, operand));
         let result = &self.values[index];
         let all: [[f64; Operand::MAX_COUNT]; LANES] = array::from_fn(|lane| {
-            partials(node.operation, a[lane], b[lane], result[lane]).map(finite)
+            let [first, second] = tangent(node.operation, [a[lane], b[lane], 0.0], result[lane]);
+            [first, second, third(node.operation)].map(finite)
         });
         array::from_fn(|side| array::from_fn(|lane| all[lane][side]))
     }
@@ -139,10 +141,8 @@ impl SensitivityProfile {
     /// Weights that make every output better by the same factor.
     fn balanced(&self, function: &Function) -> Vec<StateLanes> {
         let outputs = function.outputs();
-        let array = |assignment: usize| {
-            let place = function.assignments[assignment].output.0;
-            outputs.partition_point(|array| array.offset <= place) - 1
-        };
+        let array =
+            |assignment: usize| function.output_array(function.assignments[assignment].output);
         let variances = self.variances(function);
         let zero = [0.0; LANES];
         let expected: Vec<&StateLanes> = function
@@ -262,22 +262,4 @@ pub(crate) fn product(a: &StateLanes, b: &StateLanes) -> StateLanes {
 pub(crate) fn squares(a: &StateLanes, b: &StateLanes) -> f64 {
     let products = a.iter().zip(b).map(|(a, b)| a * b);
     products.map(|product| finite(product * product)).sum()
-}
-
-/// The derivatives of an operation with respect to its operands.
-fn partials(operation: Operation, a: f64, b: f64, result: f64) -> [f64; Operand::MAX_COUNT] {
-    match operation {
-        Operation::Copy => [1.0, 0.0, 0.0],
-        Operation::Neg => [-1.0, 0.0, 0.0],
-        Operation::Add => [1.0, 1.0, 0.0],
-        Operation::Sub => [1.0, -1.0, 0.0],
-        Operation::Mul => [b, a, 0.0],
-        Operation::Div => [1.0 / b, -result / b, 0.0],
-        Operation::Sin => [a.cos(), 0.0, 0.0],
-        Operation::Cos => [-a.sin(), 0.0, 0.0],
-        Operation::Sqrt => [0.5 / result, 0.0, 0.0],
-        Operation::Fma => [b, a, 1.0],
-        Operation::Fms => [b, a, -1.0],
-        Operation::Fnma => [-b, -a, 1.0],
-    }
 }

@@ -1,7 +1,7 @@
 //! Derivation of one term from another by rules, with its steps.
 
 use super::form::{ClassAnalysis, EquivalentForm};
-use super::plain::{self, plain_number};
+use super::plain;
 use super::saturate::{SaturationEnd, SaturationLimits};
 use egg::{EGraph, FlatTerm, Id, Language, RecExpr};
 use robovec_analysis::class::NumericClass;
@@ -58,7 +58,7 @@ pub fn derive(
     effort: DerivationEffort,
 ) -> Derivation {
     let rules = plain::all(rules, weakest);
-    let (from, to) = (term(left), term(right));
+    let [from, to] = [left, right].map(|side| plain::term(side, EquivalentForm::Leaf, |form| form));
     let mut egraph = EGraph::new(ClassAnalysis).with_explanations_enabled();
     let (start, goal) = (egraph.add_expr(&from), egraph.add_expr(&to));
     egraph.rebuild();
@@ -94,26 +94,6 @@ pub fn derive(
         complete,
         nodes,
     }
-}
-
-fn term(pattern: &Pattern) -> RecExpr<EquivalentForm> {
-    let mut term = RecExpr::default();
-    let mut ids: Vec<Id> = Vec::with_capacity(pattern.nodes.len());
-    for node in &pattern.nodes {
-        let form = match *node {
-            PatternNode::Variable(variable) => EquivalentForm::Leaf(variable),
-            PatternNode::Number(number) => plain_number(number),
-            PatternNode::Operation(operation, places) => {
-                let operands = places[..operation.arity()].iter();
-                EquivalentForm::Other(
-                    operation,
-                    operands.map(|&place| ids[place as usize]).collect(),
-                )
-            }
-        };
-        ids.push(term.add(form));
-    }
-    term
 }
 
 fn pattern(term: &RecExpr<EquivalentForm>) -> Pattern {

@@ -8,8 +8,8 @@
 use super::form::{ClassAnalysis, EquivalentForm};
 use super::saturate::{SaturationEnd, SaturationLimits};
 use egg::{
-    Applier, ConditionalApplier, EGraph, ENodeOrVar, FromOp, FromOpError, Id, Pattern, RecExpr,
-    Rewrite, RewriteScheduler, Runner, SearchMatches, Searcher, StopReason, Subst, Var,
+    Applier, ConditionalApplier, EGraph, ENodeOrVar, FromOp, FromOpError, Id, Language, Pattern,
+    RecExpr, Rewrite, RewriteScheduler, Runner, SearchMatches, Searcher, StopReason, Subst, Var,
 };
 use robovec_analysis::class::NumericClass;
 use robovec_ir::Operation;
@@ -127,21 +127,31 @@ pub(crate) fn from_rule(rule: &Rule) -> Option<PlainRule> {
 
 /// A side of a rule as a pattern of plain terms.
 fn pattern(side: &RulePattern) -> Pattern<EquivalentForm> {
-    let mut nodes = RecExpr::default();
+    let variable = |number| ENodeOrVar::Var(Var::from_u32(number));
+    Pattern::new(term(side, variable, ENodeOrVar::ENode))
+}
+
+/// A side of a rule as a term of a language that has variables and plain forms.
+pub(super) fn term<L: Language>(
+    side: &RulePattern,
+    variable: impl Fn(u32) -> L,
+    plain: impl Fn(EquivalentForm) -> L,
+) -> RecExpr<L> {
+    let mut term = RecExpr::default();
     let mut ids: Vec<Id> = Vec::with_capacity(side.nodes.len());
     for node in &side.nodes {
         let node = match *node {
-            PatternNode::Variable(variable) => ENodeOrVar::Var(Var::from_u32(variable)),
-            PatternNode::Number(number) => ENodeOrVar::ENode(plain_number(number)),
+            PatternNode::Variable(number) => variable(number),
+            PatternNode::Number(number) => plain(plain_number(number)),
             PatternNode::Operation(operation, places) => {
                 let operands = places[..operation.arity()].iter();
                 let operands = operands.map(|&place| ids[place as usize]).collect();
-                ENodeOrVar::ENode(EquivalentForm::Other(operation, operands))
+                plain(EquivalentForm::Other(operation, operands))
             }
         };
-        ids.push(nodes.add(node));
+        ids.push(term.add(node));
     }
-    Pattern::new(nodes)
+    term
 }
 
 /// A number as a plain term; zero has no sign.

@@ -1,10 +1,10 @@
 //! Errors relative to the allowed ones.
 
+use robovec_analysis::accuracy::evaluate_at;
 use robovec_framework::scene::Allowed;
-use robovec_ir::evaluate::{evaluate, evaluate_nodes_in};
+use robovec_ir::evaluate::evaluate_nodes_in;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, OperandKind, ValueFormats, View};
-use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
 /// Exact outputs at some states, and their allowed errors.
@@ -28,10 +28,7 @@ impl AccuracyCheck {
             .collect();
         let exact: Vec<Vec<Double>> = inputs
             .iter()
-            .map(|state| {
-                let inputs: Vec<Double> = state.iter().map(|&x| DoubleDouble.literal(x)).collect();
-                evaluate(view.function, &DoubleDouble, &inputs)
-            })
+            .map(|state| evaluate_at(view.function, &DoubleDouble, state))
             .collect();
         let allowed = exact.iter().map(|outputs| {
             let values: Vec<f64> = outputs.iter().map(|output| output.high).collect();

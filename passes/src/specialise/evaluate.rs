@@ -501,12 +501,9 @@ fn only_users(function: &Function) -> Vec<Option<Operation>> {
 
 /// The numbers that a function with numbered constants reads.
 pub(super) fn constants_read(function: &Function) -> u64 {
-    let mut read: Vec<Known> = function
-        .nodes()
-        .iter()
-        .flat_map(|node| node.operands())
-        .chain(function.assignments.iter().map(|set| &set.operand))
-        .filter_map(|&operand| known(function, operand))
+    let read = function.reads();
+    let mut read: Vec<Known> = read
+        .filter_map(|operand| known(function, operand))
         .collect();
     read.sort_unstable();
     read.dedup();

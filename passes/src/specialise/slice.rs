@@ -34,12 +34,8 @@ pub(super) fn needed(view: View<'_>, scene: &Scene) -> (Function, [u64; 2]) {
 /// For every input element a flag: true when the function reads it.
 pub(super) fn read_inputs(function: &Function) -> Vec<bool> {
     let mut read = vec![false; function.input_len()];
-    let operands = function.nodes().iter().flat_map(|node| node.operands());
-    let set = function.assignments.iter().map(|set| &set.operand);
-    for operand in operands.chain(set) {
-        if let Some(input) = operand.input() {
-            read[input.index()] = true;
-        }
+    for input in function.reads().filter_map(Operand::input) {
+        read[input.index()] = true;
     }
     read
 }

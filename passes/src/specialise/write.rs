@@ -112,12 +112,8 @@ fn copy(
 /// Writes the expressions of all constants that are read; returns their places.
 fn expressions(numbered: &Function, constants: &KnownNumbers, to: &mut Function) -> Vec<Operand> {
     let mut needed = vec![false; constants.len()];
-    let operands = numbered.nodes().iter().flat_map(|node| node.operands());
-    let set = numbered.assignments.iter().map(|set| &set.operand);
-    for known in operands
-        .chain(set)
-        .filter_map(|&operand| known(numbered, operand))
-    {
+    let read = numbered.reads();
+    for known in read.filter_map(|operand| known(numbered, operand)) {
         needed[known.index()] = true;
     }
     for index in (0..needed.len()).rev() {

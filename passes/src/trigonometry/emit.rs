@@ -2,6 +2,7 @@
 
 use super::ranges::Angles;
 use super::recipe::{Recipe, place};
+use robovec_analysis::slice::slice;
 use robovec_framework::pass::Context;
 use robovec_framework::rewrite::{Rewriter, lay_out, owners};
 use robovec_ir::{
@@ -162,10 +163,11 @@ impl<'a> Emitter<'a> {
         }
         let result = recipe.results[place(of)];
         let read = |constant| recipe.function.constant_number(constant);
-        for (inner, node) in wanted(&recipe.function, result) {
+        for inner in slice(&recipe.function, &[result]) {
             if !angle.written[inner.index()].is_none() {
                 continue;
             }
+            let node = recipe.function.node(inner);
             let operands = node.operands.map(|operand| {
                 if let Some(value) = operand.value() {
                     angle.written[value.index()]
@@ -244,21 +246,4 @@ impl<'a> Emitter<'a> {
             name
         }
     }
-}
-
-/// The nodes a result needs, in program order.
-fn wanted(function: &Function, result: Operand) -> Vec<(Value, Node)> {
-    let mut needed = vec![false; function.nodes().len()];
-    if let Some(value) = result.value() {
-        needed[value.index()] = true;
-    }
-    for (value, node) in function.values().rev() {
-        if needed[value.index()] {
-            for operand in node.operands().iter().filter_map(|operand| operand.value()) {
-                needed[operand.index()] = true;
-            }
-        }
-    }
-    let nodes = function.values().filter(|(value, _)| needed[value.index()]);
-    nodes.map(|(value, node)| (value, *node)).collect()
 }

@@ -6,6 +6,7 @@
 //! by interval arithmetic.
 
 use hashbrown::HashMap;
+use robovec_analysis::slice::needed;
 use robovec_ir::{Function, Input, Node, Operand, OperandKind, Operation};
 use robovec_num::interval::Interval;
 use rustc_hash::FxBuildHasher;
@@ -31,7 +32,9 @@ impl Angles {
     /// Follows the operands of all sines and cosines; `input` gives between
     /// which bounds an element lies.
     pub(super) fn new(function: &Function, input: &dyn Fn(Input) -> Interval) -> Angles {
-        let needed = needed(function);
+        let angles = function.nodes().iter();
+        let angles = angles.filter(|node| node.operation.is_trigonometric());
+        let needed = needed(function, angles.map(|node| node.operands[0]), |_| false);
         let mut known: HashMap<NumberedExpression, u64, FxBuildHasher> = HashMap::default();
         let mut angles = Angles {
             keys: vec![UNKNOWN; needed.len()],
@@ -102,19 +105,6 @@ impl Angles {
             Operation::Div | Operation::Sqrt => return None,
         })
     }
-}
-
-/// The values that some sine or cosine is a function of.
-fn needed(function: &Function) -> Vec<bool> {
-    let mut needed = vec![false; function.nodes().len()];
-    for (value, node) in function.values().rev() {
-        if needed[value.index()] || node.operation.is_trigonometric() {
-            for operand in node.operands().iter().filter_map(|operand| operand.value()) {
-                needed[operand.index()] = true;
-            }
-        }
-    }
-    needed
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 use super::builder::RecipeBuilder;
 use super::options::Scheme;
 use super::scheme::{OperationCycles, PolynomialPlan};
+use robovec_analysis::slice::needed;
 use robovec_ir::{Function, Level, Machine, Node, Operand, Operation};
 use robovec_num::format::Format;
 use robovec_num::trigonometry::{Circular, Halved, Polynomial};
@@ -92,19 +93,9 @@ impl RecipeBuilder {
     /// Keeps the operations that the requested results need.
     fn finish(self, results: [Operand; 2], wanted: [bool; 2]) -> Recipe {
         let old = self.function;
-        let mut needed = vec![false; old.nodes().len()];
-        for (result, wanted) in results.iter().zip(wanted) {
-            if let Some(value) = result.value().filter(|_| wanted) {
-                needed[value.index()] = true;
-            }
-        }
-        for (value, node) in old.values().rev() {
-            if needed[value.index()] {
-                for operand in node.operands().iter().filter_map(|operand| operand.value()) {
-                    needed[operand.index()] = true;
-                }
-            }
-        }
+        let roots = results.into_iter().zip(wanted);
+        let roots = roots.filter_map(|(result, wanted)| wanted.then_some(result));
+        let needed = needed(&old, roots, |_| false);
         let mut rewriter = robovec_framework::rewrite::Rewriter::new(&old, Level::Atomic);
         for (value, node) in old.values() {
             if needed[value.index()] {

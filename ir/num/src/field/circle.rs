@@ -17,7 +17,7 @@
 //! for a chance of `degree / r`, as in the plain field: both images are rings,
 //! and the points of the subgroup are as good as random points of the circle.
 
-use super::{DrawRole, Field, FieldPoint, PrimeField, either_undefined};
+use super::{DrawRole, Field, FieldPoint, Prime, PrimeField, either_undefined};
 use crate::arithmetic::Arithmetic;
 
 /// A number and its residue as an angle.
@@ -43,7 +43,7 @@ impl Eq for Angular {}
 pub struct CircleField {
     plain: PrimeField,
     /// Cosine and sine of the angle 1.
-    generator: (u64, u64),
+    generator: [u64; 2],
 }
 
 const UNDEFINED: Angular = Angular {
@@ -58,45 +58,24 @@ impl CircleField {
             circle: true,
             ..plain
         };
-        let field = CircleField {
-            plain,
-            generator: (0, 0),
-        };
         // A point of the circle 24 times lies in the subgroup of order r; it
         // generates it unless it is the neutral point.
-        let neutral = (plain.prime.field.one(), 0);
+        let field = &plain.prime.field;
+        let neutral = [field.one(), 0];
         let generator = (0..)
             .map(|trial| {
-                let point = plain.circle_point(plain.draw(trial, DrawRole::Generator));
-                let thrice = field.add_points(field.add_points(point, point), point);
-                (0..3).fold(thrice, |sum, _| field.add_points(sum, sum))
+                let (cosine, sine) = plain.circle_point(plain.draw(trial, DrawRole::Generator));
+                field.turned([cosine, sine], 24)
             })
             .find(|&point| point != neutral)
             .expect("nearly every point of the circle leads to a generator");
         CircleField { plain, generator }
     }
 
-    /// The sum of two angles given by cosine and sine.
-    fn add_points(&self, (c, s): (u64, u64), (d, t): (u64, u64)) -> (u64, u64) {
-        let field = &self.plain.prime.field;
-        (
-            field.sub(field.mul(c, d), field.mul(s, t)),
-            field.add(field.mul(c, t), field.mul(s, d)),
-        )
-    }
-
     /// Cosine and sine of an angle.
-    fn point_at(&self, angle: u64) -> (u64, u64) {
-        let mut rest = self.plain.prime.order.plain(angle);
-        let (mut result, mut double) = ((self.plain.prime.field.one(), 0), self.generator);
-        while rest > 0 {
-            if rest & 1 == 1 {
-                result = self.add_points(result, double);
-            }
-            double = self.add_points(double, double);
-            rest >>= 1;
-        }
-        result
+    fn point_at(&self, angle: u64) -> [u64; 2] {
+        let Prime { field, order, .. } = &self.plain.prime;
+        field.turned(self.generator, order.plain(angle))
     }
 
     /// A value that is a new angle, odd in the value.
@@ -177,14 +156,14 @@ impl Arithmetic for CircleField {
         if PrimeField::is_undefined(a.value) {
             return UNDEFINED;
         }
-        self.fresh(self.point_at(a.angle).1)
+        self.fresh(self.point_at(a.angle)[1])
     }
 
     fn cos(&self, a: Angular) -> Angular {
         if PrimeField::is_undefined(a.value) {
             return UNDEFINED;
         }
-        self.fresh(self.point_at(a.angle).0)
+        self.fresh(self.point_at(a.angle)[0])
     }
 
     fn sqrt(&self, a: Angular) -> Angular {
@@ -198,11 +177,11 @@ impl Arithmetic for CircleField {
 }
 
 impl Field for CircleField {
-    fn at(prime: super::Prime, point: FieldPoint) -> CircleField {
+    fn at(prime: Prime, point: FieldPoint) -> CircleField {
         CircleField::new(PrimeField::at(prime, point))
     }
 
-    fn prime(&self) -> super::Prime {
+    fn prime(&self) -> Prime {
         self.plain.prime
     }
 

@@ -113,6 +113,26 @@ impl Modulus {
         self.power(a, self.modulus - 2)
     }
 
+    /// A point of the unit circle, as cosine and sine, times a natural number:
+    /// angles add up.
+    pub fn turned(&self, point: [u64; 2], times: u64) -> [u64; 2] {
+        let sum = |[c, s]: [u64; 2], [d, t]: [u64; 2]| {
+            [
+                self.sub(self.mul(c, d), self.mul(s, t)),
+                self.add(self.mul(c, t), self.mul(s, d)),
+            ]
+        };
+        let (mut result, mut double, mut rest) = ([self.one, 0], point, times);
+        while rest > 0 {
+            if rest & 1 == 1 {
+                result = sum(result, double);
+            }
+            double = sum(double, double);
+            rest >>= 1;
+        }
+        result
+    }
+
     /// A natural number in Montgomery's form.
     pub fn number(&self, number: u64) -> u64 {
         self.mul(number % self.modulus, self.square)

@@ -170,8 +170,6 @@ pub struct Accuracy {
     pub matrices: Vec<MatrixCondition>,
 }
 
-impl Accuracy {}
-
 /// The errors of a whole function in a few numbers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ErrorSummary {
@@ -447,15 +445,12 @@ fn run_lanes<N: Copy, A: Arithmetic<Number = [N; LANES]>>(
 
 /// The outputs of a function in a state, in the order of its assignments.
 pub fn evaluate_at<A: Arithmetic>(
-    view: View<'_>,
+    function: &Function,
     arithmetic: &A,
     inputs: &[f64],
 ) -> Vec<A::Number> {
-    let inputs: Vec<A::Number> = inputs
-        .iter()
-        .map(|&number| arithmetic.literal(number))
-        .collect();
-    evaluate(view.function, arithmetic, &inputs)
+    let inputs = inputs.iter().map(|&number| arithmetic.literal(number));
+    evaluate(function, arithmetic, &inputs.collect::<Vec<_>>())
 }
 
 impl Certainty {

@@ -75,17 +75,14 @@ pub(crate) struct Samples {
 
 impl Samples {
     pub(super) fn new(view: View<'_>, format: Format) -> Samples {
-        let outputs = view.function.outputs();
-        let holds = |output: Output| {
-            // As in the function: empty arrays share an offset with the next.
-            outputs.partition_point(|array| array.offset <= output.0) - 1
-        };
         let assignments = view.function.assignments.iter();
         Samples {
             format,
             states: Vec::new(),
             norms: Vec::new(),
-            arrays: assignments.map(|a| holds(a.output)).collect(),
+            arrays: assignments
+                .map(|a| view.function.output_array(a.output))
+                .collect(),
         }
     }
 

@@ -162,13 +162,9 @@ fn largest<T>(mut shares: Vec<(T, f64)>, most: usize) -> Vec<(T, f64)> {
 /// For every assignment one over the largest exact element of its array; 0
 /// for arrays that are zero. Errors times weights are comparable.
 pub fn output_weights(function: &Function, run: &AdjointRun<'_>) -> Vec<f64> {
-    let arrays = function.outputs();
-    let holds = |assignment: usize| {
-        let output = function.assignments[assignment].output;
-        arrays.partition_point(|array| array.offset <= output.0) - 1
-    };
+    let holds = |assignment: usize| function.output_array(function.assignments[assignment].output);
     let size = |assignment: usize| run.exact()[run.tape().output_slot(assignment)].abs();
-    let mut sizes = vec![0.0f64; arrays.len()];
+    let mut sizes = vec![0.0f64; function.outputs().len()];
     for assignment in 0..function.assignments.len() {
         let array = &mut sizes[holds(assignment)];
         *array = array.max(size(assignment));

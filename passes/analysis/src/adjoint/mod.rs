@@ -33,10 +33,11 @@ mod tests;
 
 pub use blame::{Blame, EquationBlame, output_weights};
 pub use local::half_ulp;
+pub use partials::{tangent, third};
 pub use run::AdjointRun;
 pub use tape::{Tape, TapeSlot};
 
-use partials::{EvaluationPair, secant, tangent, third};
+use partials::{EvaluationPair, secant};
 use robovec_ir::Operation;
 use robovec_num::arithmetic::Binary64;
 

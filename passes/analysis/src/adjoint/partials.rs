@@ -15,8 +15,9 @@
 
 use robovec_ir::Operation;
 
-/// Derivatives at one point, from the operands and the result.
-pub(super) fn tangent(operation: Operation, [a, b, _]: [f64; 3], result: f64) -> [f64; 2] {
+/// Derivatives by the first two operands at one point, from the operands and
+/// the result.
+pub fn tangent(operation: Operation, [a, b, _]: [f64; 3], result: f64) -> [f64; 2] {
     match operation {
         Operation::Copy => [1.0, 0.0],
         Operation::Neg => [-1.0, 0.0],
@@ -74,9 +75,9 @@ pub(super) fn secant(operation: Operation, [a, b, _]: [EvaluationPair; 3], exact
     }
 }
 
-/// The derivative with respect to the third operand.
+/// The derivative with respect to the third operand, if there is one.
 #[inline]
-pub(super) fn third(operation: Operation) -> f64 {
+pub fn third(operation: Operation) -> f64 {
     match operation {
         Operation::Fms => -1.0,
         _ => 1.0,

@@ -33,7 +33,9 @@ mod tests;
 pub use rounder::MAX_BITS;
 
 use super::adjoint::{Tape, half_ulp};
-use robovec_ir::{Format, Operation};
+use robovec_ir::Format;
+use robovec_num::arithmetic::{Arithmetic, Binary64};
+use robovec_num::batch::Batch;
 use robovec_num::random::bits_at;
 use rounder::Rounder;
 
@@ -119,36 +121,12 @@ fn sample(tape: &Tape, rounder: &Rounder, inputs: &[f64], seed: u64, values: &mu
         *values = rounder.round([number; LANES], random(seed, slot));
     }
     for node in 0..tape.nodes() {
-        let [a, b, c] = tape.operands(node).map(|slot| values[slot]);
-        let exact = lanes(tape.operation(node), &a, &b, &c);
+        // The rounding errors of binary64 itself are below the last place of
+        // the format by twelve bits at least.
+        let operands = tape.operands(node).map(|slot| &values[slot]);
+        let exact = Batch([Binary64; LANES]).apply_read(tape.operation(node), operands);
         // What is representable stays: copies need no rounding of their own.
         values[node] = rounder.round(exact, random(seed, node));
-    }
-}
-
-/// An operation in binary64. The rounding errors of binary64 itself are below
-/// the last place of the format by twelve bits at least.
-#[inline]
-fn lanes(
-    operation: Operation,
-    a: &[f64; LANES],
-    b: &[f64; LANES],
-    c: &[f64; LANES],
-) -> [f64; LANES] {
-    let each = |operation: &dyn Fn(usize) -> f64| std::array::from_fn(operation);
-    match operation {
-        Operation::Add => std::array::from_fn(|i| a[i] + b[i]),
-        Operation::Sub => std::array::from_fn(|i| a[i] - b[i]),
-        Operation::Mul => std::array::from_fn(|i| a[i] * b[i]),
-        Operation::Copy => *a,
-        Operation::Neg => each(&|i| -a[i]),
-        Operation::Div => each(&|i| a[i] / b[i]),
-        Operation::Sin => each(&|i| a[i].sin()),
-        Operation::Cos => each(&|i| a[i].cos()),
-        Operation::Sqrt => each(&|i| a[i].sqrt()),
-        Operation::Fma => each(&|i| a[i].mul_add(b[i], c[i])),
-        Operation::Fms => each(&|i| a[i].mul_add(b[i], -c[i])),
-        Operation::Fnma => each(&|i| (-a[i]).mul_add(b[i], c[i])),
     }
 }
 

@@ -71,8 +71,7 @@ pub fn moved(witness: View<'_>, after: View<'_>, states: &[Vec<f64>]) -> (f64, O
     };
     let [exact, rounded] = [witness, after]
         .map(|view| ReferenceEvaluator::new(view.function, effort).evaluate(states));
-    let arrays = after.function.outputs();
-    let mut sizes = vec![(0.0f64, 0.0f64, None); arrays.len()];
+    let mut sizes = vec![(0.0f64, 0.0f64, None); after.function.outputs().len()];
     for (exact, rounded) in exact.into_iter().zip(rounded) {
         let outputs = exact
             .into_iter()
@@ -80,7 +79,7 @@ pub fn moved(witness: View<'_>, after: View<'_>, states: &[Vec<f64>]) -> (f64, O
             .zip(&after.function.assignments);
         for ((exact, rounded), assignment) in outputs {
             let output = assignment.output;
-            let array = arrays.partition_point(|array| array.offset <= output.0) - 1;
+            let array = after.function.output_array(output);
             let (exact, rounded) = (exact.value, rounded.value);
             let distance = (rounded - exact).high.abs();
             let (largest, farthest, worst) = &mut sizes[array];

@@ -148,16 +148,16 @@ impl<'a> OutputComparison<'a> {
         [old, new]: [&[Ball<LANES>]; 2],
     ) -> Result<(), Failed> {
         let pairs = self.pairs;
-        let arrays = pairs.before.function.outputs();
+        let function = pairs.before.function;
         if states[0].scale == StateScale::Zero {
             // Where numbers are lost at zeros, none overflow.
             self.precise = MAX_PRECISE;
         }
-        let mut norms = vec![[(0.0f64, 0.0f64); LANES]; arrays.len()];
+        let mut norms = vec![[(0.0f64, 0.0f64); LANES]; function.outputs().len()];
         for at in 0..self.wanted.len() {
             let index = self.wanted[at];
             let pair = &pairs.list[index];
-            let array = arrays.partition_point(|array| array.offset <= pair.output.0) - 1;
+            let array = function.output_array(pair.output);
             let place = |version: usize, place: usize| {
                 self.places[version]
                     .binary_search(&place)

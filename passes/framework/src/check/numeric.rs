@@ -120,8 +120,8 @@ pub(super) fn first_distance(
     }
     places(states).find_map(|state| {
         let [old, new] = pairs.numbers(source, state);
-        let before = evaluate_at(pairs.before, &DoubleDouble, &old);
-        let after = evaluate_at(pairs.after, &DoubleDouble, &new);
+        let before = evaluate_at(pairs.before.function, &DoubleDouble, &old);
+        let after = evaluate_at(pairs.after.function, &DoubleDouble, &new);
         among.iter().find_map(|&index| {
             let pair = &pairs.list[index];
             let (before, after) = (before[pair.before], after[pair.after]);
@@ -196,12 +196,12 @@ pub(super) fn deviation(pairs: &Pairs<'_>, source: &States, states: u32) -> Devi
         worst_relative: 0.0,
         output: None,
     };
-    let arrays = pairs.before.function.outputs();
+    let function = pairs.before.function;
     for state in 0..states {
         let [old, new] = pairs.state(source, state);
-        let before = evaluate_at(pairs.before, &DoubleDouble, &old);
-        let after = evaluate_at(pairs.after, &DoubleDouble, &new);
-        let mut norms = vec![(0.0f64, 0.0f64); arrays.len()];
+        let before = evaluate_at(pairs.before.function, &DoubleDouble, &old);
+        let after = evaluate_at(pairs.after.function, &DoubleDouble, &new);
+        let mut norms = vec![(0.0f64, 0.0f64); function.outputs().len()];
         for pair in &pairs.list {
             let (before, after) = (before[pair.before], after[pair.after]);
             let (error, size) = ((after - before).high.abs(), before.high.abs());
@@ -215,11 +215,11 @@ pub(super) fn deviation(pairs: &Pairs<'_>, source: &States, states: u32) -> Devi
                 deviation.worst_relative = relative;
                 deviation.output = Some(pair.output);
             }
-            let array = arrays.partition_point(|array| array.offset <= pair.output.0) - 1;
+            let array = function.output_array(pair.output);
             norms[array].0 = norms[array].0.max(error);
         }
         for pair in &pairs.list {
-            let array = arrays.partition_point(|array| array.offset <= pair.output.0) - 1;
+            let array = function.output_array(pair.output);
             norms[array].1 = norms[array].1.max(before[pair.before].high.abs());
         }
         for (error, size) in norms.into_iter().filter(|(error, _)| *error > 0.0) {

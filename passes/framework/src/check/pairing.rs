@@ -4,7 +4,7 @@ use crate::instances::Instances;
 use crate::scene::Scene;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
-use robovec_ir::{Array, Function, Input, Operand, Operation, Output, Shape, View};
+use robovec_ir::{Array, Function, Input, Operation, Output, Shape, View};
 use robovec_num::field::{Field, Prime};
 use robovec_num::random::mix;
 use std::collections::BTreeMap;
@@ -443,12 +443,7 @@ fn under_roots(function: &Function) -> Vec<f64> {
 pub(super) fn sizes<'a>(functions: impl IntoIterator<Item = &'a Function>) -> Vec<f64> {
     let mut sizes: Vec<f64> = functions
         .into_iter()
-        .flat_map(|function| {
-            let read = function.nodes().iter().flat_map(|node| node.operands());
-            let set = function.assignments.iter().map(|set| &set.operand);
-            read.chain(set)
-                .filter_map(|&operand: &Operand| function.number(operand))
-        })
+        .flat_map(|function| function.reads().filter_map(|read| function.number(read)))
         .map(f64::abs)
         .filter(|size| size.is_finite() && *size > 0.0)
         .collect();

@@ -129,11 +129,10 @@ impl ArraySizes {
 
 /// The output array of every assignment, as its place among the outputs.
 fn arrays(function: &Function) -> Vec<usize> {
-    let outputs = function.outputs();
-    // Empty arrays share an offset with the next.
-    let array = |place: u32| outputs.partition_point(|array| array.offset <= place) - 1;
     let assignments = function.assignments.iter();
-    assignments.map(|one| array(one.output.0)).collect()
+    assignments
+        .map(|one| function.output_array(one.output))
+        .collect()
 }
 
 /// The outputs, by name, that a scene allows an error relative to themselves.

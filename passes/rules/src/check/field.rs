@@ -103,7 +103,7 @@ impl RuleField {
                 modulus.mul(modulus.sub(aa, bb), scale),
                 modulus.mul(modulus.add(ab, ab), scale),
             ];
-            field.generator = field.turned(point, COFACTOR);
+            field.generator = modulus.turned(point, COFACTOR);
             // Its order divides a prime, and is not one.
             if field.generator[1] != 0 {
                 return field;
@@ -192,29 +192,25 @@ impl RuleField {
         }
     }
 
-    /// A point of the circle times an angle.
-    fn turned(&self, point: [u64; 2], mut times: u64) -> [u64; 2] {
-        let product = |[a, b]: [u64; 2], [c, d]: [u64; 2]| {
-            let modulus = self.value;
-            [
-                modulus.sub(modulus.mul(a, c), modulus.mul(b, d)),
-                modulus.add(modulus.mul(a, d), modulus.mul(b, c)),
-            ]
-        };
-        let (mut result, mut square) = ([self.value.number(1), 0], point);
-        while times > 0 {
-            if times & 1 == 1 {
-                result = product(result, square);
-            }
-            square = product(square, square);
-            times >>= 1;
+    /// An operation on the values and on the angles of two numbers.
+    fn both(
+        &self,
+        a: RuleResidue,
+        b: RuleResidue,
+        apply: impl Fn(&Modulus, u64, u64) -> u64,
+    ) -> RuleResidue {
+        if a.is_undefined() || b.is_undefined() {
+            return RuleResidue::UNDEFINED;
         }
-        result
+        RuleResidue {
+            value: apply(&self.value, a.value, b.value),
+            angle: apply(&self.angle, a.angle, b.angle),
+        }
     }
 
     /// Cosine and sine of an angle on the circle.
     fn circle_point(&self, angle: u64) -> [u64; 2] {
-        self.turned(self.generator, self.angle.plain(angle))
+        self.value.turned(self.generator, self.angle.plain(angle))
     }
 }
 
@@ -242,13 +238,7 @@ impl Arithmetic for RuleField {
     }
 
     fn add(&self, a: RuleResidue, b: RuleResidue) -> RuleResidue {
-        if a.is_undefined() || b.is_undefined() {
-            return RuleResidue::UNDEFINED;
-        }
-        RuleResidue {
-            value: self.value.add(a.value, b.value),
-            angle: self.angle.add(a.angle, b.angle),
-        }
+        self.both(a, b, Modulus::add)
     }
 
     fn sub(&self, a: RuleResidue, b: RuleResidue) -> RuleResidue {
@@ -256,23 +246,14 @@ impl Arithmetic for RuleField {
     }
 
     fn mul(&self, a: RuleResidue, b: RuleResidue) -> RuleResidue {
-        if a.is_undefined() || b.is_undefined() {
-            return RuleResidue::UNDEFINED;
-        }
-        RuleResidue {
-            value: self.value.mul(a.value, b.value),
-            angle: self.angle.mul(a.angle, b.angle),
-        }
+        self.both(a, b, Modulus::mul)
     }
 
     fn div(&self, a: RuleResidue, b: RuleResidue) -> RuleResidue {
-        if a.is_undefined() || b.is_undefined() || b.value == 0 || b.angle == 0 {
+        if b.value == 0 || b.angle == 0 {
             return RuleResidue::UNDEFINED;
         }
-        RuleResidue {
-            value: self.value.mul(a.value, self.value.invert(b.value)),
-            angle: self.angle.mul(a.angle, self.angle.invert(b.angle)),
-        }
+        self.both(a, b, |modulus, a, b| modulus.mul(a, modulus.invert(b)))
     }
 
     fn sin(&self, a: RuleResidue) -> RuleResidue {
