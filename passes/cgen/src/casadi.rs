@@ -174,46 +174,43 @@ impl CasadiFunction {
         writer.functions.push('\n');
         writer.functions += &source;
         let called = c::function_name(view, &options);
-        let ports = groups(role).map(|groups| self.ports(&groups));
+        let ports = groups(role).map(|groups| self.ports(groups));
         writer.interface(&name, &called, &ports, &layouts);
     }
 
-    /// Inputs or outputs of a role, in CasADi's order. The equations have theirs
-    /// in the same order.
-    fn ports(&self, groups: &[PortGroup]) -> Vec<CasadiPort> {
+    /// Inputs or outputs in CasADi's order. The equations have theirs in the same
+    /// order.
+    fn ports(&self, groups: &str) -> Vec<CasadiPort> {
         let mut sources = 0..;
-        let mut ports = Vec::new();
-        for &PortGroup(prefix, over, is_given) in groups {
-            for (array, is_there) in self.arrays(over) {
-                ports.push(CasadiPort {
-                    array: named(prefix, &array),
-                    source: (is_given && is_there).then(|| sources.next().expect("it has no end")),
-                });
-            }
-        }
-        ports
+        let port = |(array, has_elements): (CasadiArray, bool)| CasadiPort {
+            array,
+            source: has_elements.then(|| sources.next()).flatten(),
+        };
+        self.arrays(groups).into_iter().map(port).collect()
     }
 
-    /// The arrays of a group, and a flag: true for one that equations can have.
-    fn arrays(&self, over: PortArrays) -> Vec<(CasadiArray, bool)> {
-        let all = |prefix: &str, arrays: &[CasadiArray], is_there: bool| -> Vec<_> {
-            let named = arrays.iter().map(|array| (named(prefix, array), is_there));
-            named.collect()
+    /// The arrays of [`groups`], and for each a flag: true for one with elements.
+    fn arrays(&self, groups: &str) -> Vec<(CasadiArray, bool)> {
+        let given = |arrays: &[CasadiArray]| -> Vec<(CasadiArray, bool)> {
+            arrays.iter().map(|array| (array.clone(), true)).collect()
         };
-        let (xs, ys) = (&self.inputs, &self.outputs);
-        match over {
-            PortArrays::Inputs => all("", xs, true),
-            PortArrays::Outputs => all("", ys, true),
-            PortArrays::Blocks => blocks(&all("", ys, true), &all("", xs, true)),
-            PortArrays::AdjointBlocks => {
-                let columns = [
-                    all("", xs, true),
-                    all("out_", ys, false),
-                    all("adj_", ys, true),
-                ];
-                blocks(&all("adj_", xs, true), &columns.concat())
+        let mut arrays = Vec::new();
+        for group in groups.split(' ') {
+            let is_empty = group.starts_with('(');
+            let group = group.trim_matches(['(', ')']);
+            let (prefix, kind) = group.split_at(group.len() - 1);
+            let members = match kind {
+                "x" => given(&self.inputs),
+                "y" => given(&self.outputs),
+                "J" => blocks(&self.arrays("y"), &self.arrays("x")),
+                _ => blocks(&self.arrays("adj_x"), &self.arrays("x (out_y) adj_y")),
+            };
+            for (mut array, has_elements) in members {
+                array.name.insert_str(0, prefix);
+                arrays.push((array, has_elements && !is_empty));
             }
         }
+        arrays
     }
 }
 
@@ -235,86 +232,31 @@ fn blocks(
     pairs.map(block).collect()
 }
 
-/// Arrays of a function that a group of ports goes over.
-#[derive(Clone, Copy)]
-enum PortArrays {
-    Inputs,
-    Outputs,
-    /// The blocks of the Jacobian.
-    Blocks,
-    /// The blocks of the Jacobian of the adjoint.
-    AdjointBlocks,
-}
-
-/// Ports with a beginning of their names; the flag is true if the equations have
-/// them, else they have no elements.
-struct PortGroup(&'static str, PortArrays, bool);
-
-/// The inputs and outputs of a role, in CasADi's order.
-fn groups(role: CasadiRole) -> [Vec<PortGroup>; 2] {
-    use PortArrays::{AdjointBlocks, Blocks, Inputs, Outputs};
-    let given = |prefix, over| PortGroup(prefix, over, true);
-    let empty = |prefix, over| PortGroup(prefix, over, false);
-    let further = match role {
-        CasadiRole::Values | CasadiRole::Jacobian => Vec::new(),
-        CasadiRole::Forward => vec![given("fwd_", Inputs)],
-        CasadiRole::Adjoint => vec![given("adj_", Outputs)],
-        CasadiRole::AdjointJacobian => vec![given("adj_", Outputs), empty("out_adj_", Inputs)],
-        CasadiRole::AdjointForward => vec![
-            given("adj_", Outputs),
-            empty("out_adj_", Inputs),
-            given("fwd_", Inputs),
-            empty("fwd_out_", Outputs),
-            given("fwd_adj_", Outputs),
+/// The inputs and outputs of a role, in CasADi's order: groups of arrays with a
+/// beginning of their names, which are the inputs `x`, the outputs `y`, the
+/// blocks `J` of the Jacobian or those `H` of the Jacobian of the adjoint. The
+/// equations do not have those in brackets, which have no elements.
+fn groups(role: CasadiRole) -> [&'static str; 2] {
+    match role {
+        CasadiRole::Values => ["x", "y"],
+        CasadiRole::Jacobian => ["x (out_y)", "J"],
+        CasadiRole::Forward => ["x (out_y) fwd_x", "fwd_y"],
+        CasadiRole::Adjoint => ["x (out_y) adj_y", "adj_x"],
+        CasadiRole::AdjointJacobian => ["x (out_y) adj_y (out_adj_x)", "H"],
+        CasadiRole::AdjointForward => [
+            "x (out_y) adj_y (out_adj_x) fwd_x (fwd_out_y) fwd_adj_y",
+            "fwd_adj_x",
         ],
-        CasadiRole::ForwardForward => vec![
-            given("fwd_", Inputs),
-            empty("out_fwd_", Outputs),
-            given("fwd2_", Inputs),
-            empty("fwd2_out_", Outputs),
-            given("fwd2_fwd_", Inputs),
+        CasadiRole::ForwardForward => [
+            "x (out_y) fwd_x (out_fwd_y) fwd2_x (fwd2_out_y) fwd2_fwd_x",
+            "fwd2_fwd_y",
         ],
-        CasadiRole::ForwardAdjoint => vec![
-            given("fwd_", Inputs),
-            empty("out_fwd_", Outputs),
-            given("adj_fwd_", Outputs),
+        CasadiRole::ForwardAdjoint => [
+            "x (out_y) fwd_x (out_fwd_y) adj_fwd_y",
+            "adj_x (adj_out_y) adj_fwd_x",
         ],
-        CasadiRole::JacobianForward => vec![
-            empty("out_", Blocks),
-            given("fwd_", Inputs),
-            empty("fwd_out_", Outputs),
-        ],
-        CasadiRole::JacobianAdjoint => vec![empty("out_", Blocks), given("adj_", Blocks)],
-    };
-    let outputs = match role {
-        CasadiRole::Values => vec![given("", Outputs)],
-        CasadiRole::Jacobian => vec![given("", Blocks)],
-        CasadiRole::Forward => vec![given("fwd_", Outputs)],
-        CasadiRole::Adjoint => vec![given("adj_", Inputs)],
-        CasadiRole::AdjointJacobian => vec![given("", AdjointBlocks)],
-        CasadiRole::AdjointForward => vec![given("fwd_adj_", Inputs)],
-        CasadiRole::ForwardForward => vec![given("fwd2_fwd_", Outputs)],
-        CasadiRole::ForwardAdjoint => vec![
-            given("adj_", Inputs),
-            empty("adj_out_", Outputs),
-            given("adj_fwd_", Inputs),
-        ],
-        CasadiRole::JacobianForward => vec![given("fwd_", Blocks)],
-        CasadiRole::JacobianAdjoint => vec![given("adj_", Inputs), empty("adj_out_", Outputs)],
-    };
-    let mut inputs = vec![given("", Inputs)];
-    if role != CasadiRole::Values {
-        // The results of the function, which its derivatives ignore.
-        inputs.push(empty("out_", Outputs));
-    }
-    inputs.extend(further);
-    [inputs, outputs]
-}
-
-fn named(prefix: &str, array: &CasadiArray) -> CasadiArray {
-    CasadiArray {
-        name: format!("{prefix}{}", array.name),
-        extents: array.extents,
+        CasadiRole::JacobianForward => ["x (out_y) (out_J) fwd_x (fwd_out_y)", "fwd_J"],
+        CasadiRole::JacobianAdjoint => ["x (out_y) (out_J) adj_J", "adj_x (adj_out_y)"],
     }
 }
 

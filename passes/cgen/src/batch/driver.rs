@@ -4,7 +4,7 @@ use super::writer::BatchWriter;
 use crate::emit::Real;
 use crate::emit::arrays::{extent, place};
 use crate::emit::frame::ParameterList;
-use robovec_ir::{Array, OperandKind};
+use robovec_ir::{Array, Operand};
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 
@@ -51,14 +51,10 @@ fn varying<'a>(writer: &'a BatchWriter<'a>) -> Vec<Varying<'a>> {
     let function = writer.function();
     let mut read: Vec<BTreeSet<u64>> = vec![BTreeSet::new(); function.inputs().len()];
     let mut set: Vec<BTreeSet<u64>> = vec![BTreeSet::new(); function.outputs().len()];
-    let reads = function.nodes().iter().flat_map(|node| node.operands());
-    let outputs = function.assignments.iter().map(|a| &a.operand);
-    for operand in reads.chain(outputs) {
-        if let OperandKind::Input(input) = operand.kind() {
-            let index = function.input_array(input);
-            let array = &function.inputs()[index];
-            read[index].insert(place(array, input.0 - array.offset));
-        }
+    for input in function.reads().filter_map(Operand::input) {
+        let index = function.input_array(input);
+        let array = &function.inputs()[index];
+        read[index].insert(place(array, input.0 - array.offset));
     }
     for assignment in &function.assignments {
         let (array, _, _) = function.output_element(assignment.output);

@@ -6,6 +6,7 @@
 //! needed.
 
 use super::plan::BatchPlan;
+use robovec_analysis::slice::slice;
 use robovec_ir::{Function, Value};
 
 /// The code that prepares numbers for all states.
@@ -20,20 +21,8 @@ impl Prepared {
     /// Divides the prepared values into parts. Adds to the prepared numbers
     /// those that cross from part to part.
     pub(super) fn new(function: &Function, plan: &mut BatchPlan, part: u32) -> Prepared {
-        let mut wanted = vec![false; function.nodes().len()];
-        for value in plan.prepared.iter().filter_map(|operand| operand.value()) {
-            wanted[value.index()] = true;
-        }
-        for (value, node) in function.values().rev() {
-            if wanted[value.index()] {
-                for operand in node.operands().iter().filter_map(|operand| operand.value()) {
-                    wanted[operand.index()] = true;
-                }
-            }
-        }
-        let values = function.values().map(|(value, _)| value);
-        let values: Vec<Value> = values.filter(|value| wanted[value.index()]).collect();
-        let mut part_of = vec![None; wanted.len()];
+        let values = slice(function, &plan.prepared);
+        let mut part_of = vec![None; function.nodes().len()];
         let size = part.max(1) as usize;
         for (index, value) in values.iter().enumerate() {
             part_of[value.index()] = Some(index / size);

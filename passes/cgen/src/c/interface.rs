@@ -8,7 +8,7 @@ use crate::emit::frame::ParameterList;
 use crate::emit::names::{CNames, is_word_letter};
 use crate::kind::{EquationKind, Generation, ProjectStructure, file_stem, model_name};
 use hashbrown::HashMap;
-use robovec_ir::{Array, Function, Input, OperandKind, Output, Shape, View};
+use robovec_ir::{Array, Function, Input, Operand, Output, Shape, View};
 use rustc_hash::FxBuildHasher;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -270,17 +270,9 @@ impl<'a> Interface<'a> {
     /// Gives every vector and every row that is used a pointer.
     fn find_pointers(&mut self) {
         let mut rows = BTreeSet::new();
-        let nodes = self
-            .function
-            .nodes()
-            .iter()
-            .flat_map(|node| node.operands());
+        let read = self.function.reads().filter_map(Operand::input);
+        rows.extend(read.map(|input| (false, self.place(false, input.0))));
         let outputs = self.function.assignments.iter();
-        for operand in nodes.chain(outputs.clone().map(|output| &output.operand)) {
-            if let OperandKind::Input(input) = operand.kind() {
-                rows.insert((false, self.place(false, input.0)));
-            }
-        }
         rows.extend(outputs.map(|assignment| (true, self.place(true, assignment.output.0))));
         for (is_output, (number, indices, rank)) in rows {
             let (access, row) = self.row(is_output, number, indices, rank);

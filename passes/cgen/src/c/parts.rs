@@ -7,7 +7,7 @@ use crate::emit::crossing::{Crossing, PartValues};
 use crate::emit::inlining::{Inlining, assigned};
 use crate::emit::order::{CodeStep, depth_first, program};
 use crate::superword::Superwords;
-use robovec_analysis::slice::live;
+use robovec_analysis::slice::{live, needed};
 use robovec_ir::{Function, Operand, Value};
 
 /// A statement of the generated function.
@@ -51,7 +51,7 @@ impl CodePlan {
             Sines::Inline => Slots::new(function, &live),
             Sines::Library => Slots::none(function),
         };
-        let early = early(function, &slots);
+        let early = needed(function, slots.angles().iter().copied(), |_| false);
         let superwords = superwords(function, options, &live, &slots, &early);
         let Inlining { inlined, sizes } = inlining(function, outputs_last, &superwords);
         assert_eq!(live.len(), inlined.len(), "every node is inlined or not");
@@ -208,15 +208,6 @@ impl CodePlan {
     }
 }
 
-/// For each value whether an angle depends on it.
-fn early(function: &Function, slots: &Slots) -> Vec<bool> {
-    let mut early = vec![false; function.nodes().len()];
-    for &angle in slots.angles() {
-        mark(function, angle, &mut early);
-    }
-    early
-}
-
 /// The superwords of the operations after the sines.
 fn superwords(
     function: &Function,
@@ -282,17 +273,6 @@ fn cut(
         part.statements.push(statement);
     }
     parts
-}
-
-/// Marks a value and everything on which it depends.
-fn mark(function: &Function, operand: Operand, marked: &mut [bool]) {
-    let mut open: Vec<Value> = operand.value().into_iter().collect();
-    while let Some(value) = open.pop() {
-        if !std::mem::replace(&mut marked[value.index()], true) {
-            let operands = function.node(value).operands().iter();
-            open.extend(operands.filter_map(|operand| operand.value()));
-        }
-    }
 }
 
 /// Unnamed operations are inside their user's expression. With outputs last,
