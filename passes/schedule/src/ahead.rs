@@ -27,6 +27,7 @@ use super::ports::{PLANNED, WordTransfer};
 use super::seats::{Ahead, Seat};
 use super::state::{IssueOutcome, Manner, Sweep};
 use robovec_ir::Operand;
+use robovec_ir::placement::Element;
 
 /// A word that must be written for a seat.
 #[derive(Clone, Copy, Debug)]
@@ -51,16 +52,10 @@ struct Booking {
 impl Sweep<'_> {
     /// Issues a node if an element can take it and its result finds ports.
     pub(super) fn issue_ahead(&mut self, node: usize, cycle: u32) -> IssueOutcome {
-        let back = cycle + self.graph.weight(node) - 1;
-        self.draft.ports.reach(back);
-        let result_on = |element| WriteBack {
-            cycle: back,
-            element,
-        };
         let Some(first) = self.plan_ahead(node, cycle, None) else {
             return IssueOutcome::Failed;
         };
-        let Some(booking) = self.book(node, result_on(first.element), false) else {
+        let Some(booking) = self.book(node, cycle, first.element, false) else {
             return IssueOutcome::Failed;
         };
         // What was just reserved may have taken the ports of the plan.
@@ -76,12 +71,6 @@ impl Sweep<'_> {
     /// where either is impossible the node waits if it can, and else goes to
     /// any element and leaves its result to the buffer.
     pub(super) fn issue_booked(&mut self, node: usize, cycle: u32) -> IssueOutcome {
-        let back = cycle + self.graph.weight(node) - 1;
-        self.draft.ports.reach(back);
-        let result_on = |element| WriteBack {
-            cycle: back,
-            element,
-        };
         let waits = self.can_wait(node, cycle);
         let seat = self.ahead.as_ref().and_then(|ahead| ahead.seat(node));
         if waits && seat.is_some_and(|seat| self.busy[seat.element.index()] == cycle + 1) {
@@ -92,7 +81,7 @@ impl Sweep<'_> {
             IssueDecision::Wait => return IssueOutcome::Waits,
             IssueDecision::Fail => return IssueOutcome::Failed,
         };
-        let Some(booking) = self.book(node, result_on(plan.element), !waits) else {
+        let Some(booking) = self.book(node, cycle, plan.element, !waits) else {
             return IssueOutcome::Waits;
         };
         match self.consider(node, cycle) {
@@ -123,19 +112,11 @@ impl Sweep<'_> {
         let sources = self.sources(node);
         self.mark(sources);
         let seat = match again {
-            Some(plan) => Some(Seat {
-                element: plan.element,
-                swapped: plan.swapped,
-            }),
+            Some(plan) => Some(plan.seat()),
             None => self.ahead.as_ref()?.seat(node),
         };
         let is_free = |at: &IssuePlan| self.busy[at.element.index()] != cycle + 1;
-        let is_seat = |at: &IssuePlan| {
-            seat == Some(Seat {
-                element: at.element,
-                swapped: at.swapped,
-            })
-        };
+        let is_seat = |at: &IssuePlan| seat == Some(at.seat());
         let own = self.places(node).filter(is_free).find(is_seat);
         let own = own.and_then(|at| self.plain(&sources, at, cycle));
         if own.is_some() || again.is_some() {
@@ -145,14 +126,22 @@ impl Sweep<'_> {
         self.cheapest_plain(&sources, node, free, cycle)
     }
 
-    /// Reserves the ports for the result of a node in its write-back cycle, at
+    /// Reserves the ports for the result of a node that is issued in a cycle, at
     /// the seats of its readers, which get a seat for it if they have none.
     /// Where that is impossible no seat is reserved and the result is `None`,
     /// or, when `partial`, those readers get no seat.
-    fn book(&mut self, node: usize, result: WriteBack, partial: bool) -> Option<Booking> {
+    fn book(
+        &mut self,
+        node: usize,
+        cycle: u32,
+        element: Element,
+        partial: bool,
+    ) -> Option<Booking> {
+        let result = self.write_back(node, cycle, element);
+        self.draft.ports.reach(result.cycle);
         self.draft.locations.data[node].result = Some(result);
         let mut booking = Booking::default();
-        let graph = self.graph;
+        let graph = self.task.graph;
         let users = graph.users_of(node);
         for (index, &user) in users.iter().enumerate() {
             // A node that reads the result twice stands there twice in a row.
@@ -190,10 +179,7 @@ impl Sweep<'_> {
         {
             return Some((seat, needs));
         }
-        let places = self.places(user).map(|at| Seat {
-            element: at.element,
-            swapped: at.swapped,
-        });
+        let places = self.places(user).map(|at| at.seat());
         let possible = places.filter_map(|seat| Some((seat, self.needs(user, seat)?)));
         possible.min_by_key(|(seat, needs)| {
             let new = needs.iter().flatten();
@@ -225,12 +211,7 @@ impl Sweep<'_> {
             let arrives = result.cycle + ports.latency(result.element, memory);
             let beside = needs.iter().flatten();
             let beside = beside.filter(|need| (need.memory, need.arrives) == (memory, arrives));
-            let word = WordTransfer {
-                datum,
-                from: result.element,
-                to: seat.element,
-                departs: result.cycle,
-            };
+            let word = ports.transfer(datum, result.element, memory, result.cycle);
             let planned = || -> [Option<WordTransfer>; PLANNED] {
                 std::array::from_fn(|other| needs[other].map(|need| need.word))
             };
@@ -251,13 +232,9 @@ impl Sweep<'_> {
     /// Any memory that can take the result of an unread output.
     fn find_home(&self, node: usize, result: WriteBack) -> Option<WordNeed> {
         let (ports, locations) = (&self.draft.ports, &self.draft.locations);
+        let datum = Datum::new(node as u32);
         let need = |memory: Memory| WordNeed {
-            word: WordTransfer {
-                datum: Datum::new(node as u32),
-                from: result.element,
-                to: ports.element_of(memory),
-                departs: result.cycle,
-            },
+            word: ports.transfer(datum, result.element, memory, result.cycle),
             memory,
             arrives: result.cycle + ports.latency(result.element, memory),
         };
@@ -352,7 +329,10 @@ impl Sweep<'_> {
     fn claim_seat(&mut self, user: usize, seat: Seat, only: Option<Datum>) {
         let data = self.data(user);
         let Some(ahead) = &mut self.ahead else { return };
-        for (memory, datum) in claimed(self.graph, ahead, data, seat).into_iter().flatten() {
+        for (memory, datum) in claimed(self.task.graph, ahead, data, seat)
+            .into_iter()
+            .flatten()
+        {
             if only.is_none_or(|only| only == datum)
                 && let Some(entry) = self.draft.locations.find(datum, memory)
             {
@@ -374,7 +354,10 @@ impl Sweep<'_> {
         let data = self.data(user);
         let Some(ahead) = &mut self.ahead else { return };
         let draft = &mut self.draft;
-        for (memory, datum) in claimed(self.graph, ahead, data, seat).into_iter().flatten() {
+        for (memory, datum) in claimed(self.task.graph, ahead, data, seat)
+            .into_iter()
+            .flatten()
+        {
             if except == Some(datum) {
                 continue;
             }
@@ -391,12 +374,8 @@ impl Sweep<'_> {
             let travel = stored
                 .travel()
                 .expect("only words on their way are claimed");
-            let word = WordTransfer {
-                datum,
-                from: draft.locations.computed(datum).element,
-                to: draft.ports.element_of(memory),
-                departs: travel.departs,
-            };
+            let from = draft.locations.computed(datum).element;
+            let word = draft.ports.transfer(datum, from, memory, travel.departs);
             draft.locations.forget(datum, entry);
             draft
                 .ports

@@ -10,6 +10,8 @@
 use super::graph::Datum;
 use super::locations::{Entry, Locations, Memory, WriteBack};
 use super::ports::{PLANNED, Ports, WordTransfer};
+use super::seats::Seat;
+use super::state::ScheduleDraft;
 use robovec_framework::option_words;
 use robovec_ir::Operand;
 use robovec_ir::placement::Element;
@@ -141,12 +143,8 @@ pub(super) fn word(
         return None;
     };
     let from = source.result?.element;
-    Some(WordTransfer {
-        datum: source.datum,
-        from,
-        to: ports.element_of(memory),
-        departs: at - ports.latency(from, memory),
-    })
+    let departs = at - ports.latency(from, memory);
+    Some(ports.transfer(source.datum, from, memory, departs))
 }
 
 /// The transfers planned for the other operands; no two of them bring the
@@ -208,6 +206,16 @@ pub(super) struct IssuePlan {
     pub(super) routes: [Option<Route>; Operand::MAX_COUNT],
 }
 
+impl IssuePlan {
+    /// The element, and the sides of the operands.
+    pub(super) fn seat(&self) -> Seat {
+        Seat {
+            element: self.element,
+            swapped: self.swapped,
+        }
+    }
+}
+
 /// The operands of an operation as data flow; `None` after the last one.
 pub(super) type OperandSources = [Option<OperandSource>; Operand::MAX_COUNT];
 
@@ -224,7 +232,12 @@ pub(super) fn shared(sources: &OperandSources, plan: &IssuePlan, operand: usize)
 /// True for two operands that are one word: the same datum, read from the same
 /// memory.
 #[inline]
-fn is_same(sources: &OperandSources, plan: &IssuePlan, one: usize, other: usize) -> bool {
+pub(super) fn is_same(
+    sources: &OperandSources,
+    plan: &IssuePlan,
+    one: usize,
+    other: usize,
+) -> bool {
     let datum = |operand: usize| sources[operand].map(|source| source.datum);
     datum(one) == datum(other) && plan.memories[one] == plan.memories[other]
 }
@@ -291,33 +304,21 @@ pub(super) enum IssueDecision {
     Fail,
 }
 
-/// The memory in which a datum is wanted, and when.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
-    pub(super) memory: Memory,
-    /// The entry of the datum there, if it has one.
-    pub(super) held: Option<Entry>,
-    /// It must be written before this cycle.
-    pub(super) before: u32,
-}
-
-/// The route without buffer, if ports and links allow one; the transfers of
-/// other operands are considered only where it takes a port.
+/// The route without buffer into a memory, in time for a reading cycle, if
+/// ports and links allow one; `held` is the entry of the datum there, and the
+/// transfers of other operands are considered only where it takes a port.
 // It is asked for every operand at every place, and handing over what it takes
 // costs more than the answer.
 #[inline(always)]
 pub(super) fn plain_route(
-    ports: &Ports,
-    locations: &Locations,
+    draft: &ScheduleDraft,
     source: OperandSource,
-    wanted: Wanted,
+    memory: Memory,
+    held: Option<Entry>,
+    before: u32,
     beside: Option<Beside<'_>>,
 ) -> Option<Route> {
-    let Wanted {
-        memory,
-        held,
-        before,
-    } = wanted;
+    let (ports, locations) = (&draft.ports, &draft.locations);
     if let Some(entry) = held {
         let written = locations.entries[entry.index()].written();
         let in_time = written.is_none_or(|written| written < before);

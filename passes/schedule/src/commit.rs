@@ -1,12 +1,12 @@
 //! The issue of an operation: the reservation of its transfers, and the update
 //! of its readers.
 
-use super::choice::{IssuePlan, OperandSource, OperandSources, Route, word};
+use super::choice::{IssuePlan, OperandSource, OperandSources, Route, is_same, word};
 use super::graph::Datum;
 use super::locations::{Entry, Memory, Travel, WriteBack};
-use super::ports::WordTransfer;
 use super::state::{ScheduleDraft, Sweep};
 use robovec_ir::Operand;
+use robovec_ir::placement::Element;
 
 impl Sweep<'_> {
     /// Issues a node as planned, its operands being these.
@@ -30,10 +30,7 @@ impl Sweep<'_> {
             let (Some(route), Some(source)) = (plan.routes[operand], sources[operand]) else {
                 continue;
             };
-            let same_word = |&before: &usize| {
-                sources[before].is_some_and(|other| other.datum == source.datum)
-                    && plan.memories[before] == plan.memories[operand]
-            };
+            let same_word = |&before: &usize| is_same(sources, &plan, before, operand);
             reads[operand] = match (0..operand).find(same_word) {
                 Some(before) => reads[before],
                 None => Some(self.transfer(source, route, plan.memories[operand], cycle)),
@@ -42,10 +39,8 @@ impl Sweep<'_> {
         for source in sources.iter().flatten() {
             self.has_read(source.datum);
         }
-        self.draft.locations.data[node].result = Some(WriteBack {
-            cycle: cycle + self.graph.weight(node) - 1,
-            element: plan.element,
-        });
+        let result = self.write_back(node, cycle, plan.element);
+        self.draft.locations.data[node].result = Some(result);
         if plan.swapped {
             reads.swap(0, 1);
             self.draft.swapped[node] = true;
@@ -54,6 +49,14 @@ impl Sweep<'_> {
         self.busy[plan.element.index()] = cycle + 1;
         self.last_issue = cycle;
         self.announce(node, cycle);
+    }
+
+    /// The place and the cycle in which the result of a node appears.
+    pub(super) fn write_back(&self, node: usize, cycle: u32, element: Element) -> WriteBack {
+        WriteBack {
+            cycle: cycle + self.task.graph.weight(node) - 1,
+            element,
+        }
     }
 
     /// Reserves a transfer and returns the entry that is read.
@@ -110,9 +113,9 @@ impl Sweep<'_> {
 
     /// Informs the readers of an issued node when its result can be read.
     fn announce(&mut self, node: usize, cycle: u32) {
-        let ready = cycle + self.graph.weight(node);
+        let ready = cycle + self.task.graph.weight(node);
         self.draft.cycles = self.draft.cycles.max(ready);
-        for &user in self.graph.users_of(node) {
+        for &user in self.task.graph.users_of(node) {
             let waiting = &mut self.waiting[user as usize];
             waiting.ready = waiting.ready.max(ready);
             waiting.operands -= 1;
@@ -122,7 +125,7 @@ impl Sweep<'_> {
                 } else {
                     waiting.ready
                 };
-                self.calendar.enter(ready.max(cycle + 1), user);
+                self.ready.calendar.enter(ready.max(cycle + 1), user);
             }
         }
     }
@@ -139,7 +142,7 @@ impl Sweep<'_> {
                 results.map(|back| back.cycle + draft.ports.latency(back.element, memory) + 1);
             arrivals.fold(0, u32::max)
         };
-        let kind = self.graph.kinds[self.graph.kind[node] as usize];
+        let kind = self.task.graph.kinds[self.task.graph.kind[node] as usize];
         let elements = kind.first..kind.first + kind.count;
         let earliest = elements.map(at).min();
         earliest.expect("a kind that is used has an element")
@@ -157,12 +160,7 @@ pub(super) fn reserve_indirect(
     let producer = result.element;
     draft.ports.write(travel.arrives, memory);
     let departs = travel.departs;
-    let word = WordTransfer {
-        datum: source.datum,
-        from: producer,
-        to: draft.ports.element_of(memory),
-        departs,
-    };
+    let word = (draft.ports).transfer(source.datum, producer, memory, departs);
     draft.ports.travel(&draft.locations, word);
     let mut sent = draft.locations.of(source.datum);
     if !sent.any(|(_, entry)| entry.departed() == Some(departs)) {

@@ -5,23 +5,12 @@ use super::error::PlaceError;
 use super::graph::{Datum, DependenceGraph, HOST};
 use super::locations::Entry;
 use super::ports::{Ports, banks};
+use super::search::PlacementCandidate;
 use super::state::ScheduleDraft;
 use robovec_ir::placement::{
     Bank, BufferWord, Element, ElementKind, Placement, Preload, Schedule, Slot, Word, Write,
 };
 use robovec_ir::{Function, Level, Machine, Operand, Value};
-
-/// Everything that is decided, except for addresses in memories.
-pub(super) struct Settled {
-    /// Cycles, elements and transfers.
-    pub(super) draft: ScheduleDraft,
-    /// The entry that keeps each assignment, if the machine computes it.
-    pub(super) homes: Vec<Option<Entry>>,
-    /// The buffer word of each node that needs one.
-    pub(super) buffers: Vec<Option<BufferWord>>,
-    /// The proved bound.
-    pub(super) lower_bound: u32,
-}
 
 /// Writes schedule and placement into the function.
 ///
@@ -32,14 +21,15 @@ pub(super) fn finish(
     function: &mut Function,
     mut graph: DependenceGraph,
     machine: &Machine,
-    settled: Settled,
+    found: PlacementCandidate,
+    lower_bound: u32,
 ) -> Result<(), PlaceError> {
-    let Settled {
+    let PlacementCandidate {
         mut draft,
         homes,
         buffers,
-        lower_bound,
-    } = settled;
+        ..
+    } = found;
     graph.release_links();
     let addresses = allocate(&graph, &draft);
     draft.ports = Ports::default();

@@ -4,7 +4,7 @@ use super::choice::OperandSource;
 use super::commit::reserve_indirect;
 use super::graph::{Datum, DependenceGraph};
 use super::locations::{Entry, Memory, Travel};
-use super::ports::{PLANNED, WordTransfer};
+use super::ports::PLANNED;
 use super::state::{ScheduleDraft, Stuck};
 use robovec_ir::Function;
 
@@ -63,12 +63,7 @@ fn new_home(draft: &mut ScheduleDraft, datum: Datum, kept: &[u32]) -> Result<Ent
         let reach = |memory: Memory| {
             let ports = &draft.ports;
             let arrives = departs + ports.latency(producer, memory);
-            let word = WordTransfer {
-                datum,
-                from: producer,
-                to: ports.element_of(memory),
-                departs,
-            };
+            let word = ports.transfer(datum, producer, memory, departs);
             let free = ports.can_write(arrives, memory, 1)
                 && ports.can_travel(&draft.locations, word, || [None; PLANNED]);
             free.then_some((memory, Travel { departs, arrives }, word))

@@ -51,8 +51,7 @@ mod tests;
 pub use choice::ElementChoice;
 pub use error::PlaceError;
 pub use order::Priority;
-pub use pass::Place;
-pub use pass::{ElementCounts, element_counts, explain, with_counts};
+pub use pass::{ElementCounts, Place, element_counts, explain, with_counts};
 pub use statistics::{
     ElementSpread, KindStatistics, PlacementStatistics, most_memory_words, placement_statistics,
 };
@@ -155,12 +154,6 @@ pub fn place(
         order: best.order,
         tries,
     };
-    let settled = finish::Settled {
-        draft: best.draft,
-        homes: best.homes,
-        buffers: best.buffers,
-        lower_bound,
-    };
-    finish::finish(function, graph, machine, settled)?;
+    finish::finish(function, graph, machine, best, lower_bound)?;
     Ok(summary)
 }

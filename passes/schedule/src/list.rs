@@ -7,7 +7,7 @@
 
 use super::graph::{DependenceGraph, HOST};
 use super::order::SchedulingOrder;
-use super::ready::{Calendar, RankSet};
+use super::ready::ReadyNodes;
 use robovec_ir::Function;
 
 /// A schedule without memories.
@@ -29,7 +29,7 @@ pub(super) fn forward(graph: &DependenceGraph, order: &SchedulingOrder) -> ListS
     );
     for node in 0..graph.kind.len() {
         if graph.kind[node] != HOST && graph.computed_operands[node] == 0 {
-            run.calendar.enter(0, node as u32);
+            run.ready.calendar.enter(0, node as u32);
         }
     }
     run.sweep(|run, node, cycle| {
@@ -51,7 +51,7 @@ pub(super) fn backward(
     let mut run = ListScheduler::new(graph, order, readers);
     for node in 0..graph.kind.len() {
         if graph.kind[node] != HOST && graph.users_of(node).is_empty() {
-            run.calendar.enter(graph.weight(node), node as u32);
+            run.ready.calendar.enter(graph.weight(node), node as u32);
         }
     }
     run.sweep(|run, node, cycle| {
@@ -75,7 +75,7 @@ struct ListScheduler<'a> {
     order: &'a SchedulingOrder,
     waits_for: Vec<u32>,
     issue: Vec<u32>,
-    calendar: Calendar,
+    ready: ReadyNodes,
     cycles: u32,
 }
 
@@ -90,7 +90,7 @@ impl<'a> ListScheduler<'a> {
             order,
             waits_for: waits_for.collect(),
             issue: vec![0; graph.kind.len()],
-            calendar: Calendar::new(graph.largest_weight()),
+            ready: ReadyNodes::new(order, graph.largest_weight()),
             cycles: 0,
         }
     }
@@ -102,42 +102,29 @@ impl<'a> ListScheduler<'a> {
         self.issue[node] = self.issue[node].max(from);
         self.waits_for[node] -= 1;
         if self.waits_for[node] == 0 {
-            self.calendar.enter(self.issue[node] + delay, node as u32);
+            self.ready
+                .calendar
+                .enter(self.issue[node] + delay, node as u32);
         }
     }
 
     fn sweep(mut self, mut issued: impl FnMut(&mut ListScheduler<'a>, usize, u32)) -> ListSchedule {
         let graph = self.graph;
         let order = self.order;
-        let mut ready: Vec<RankSet> = order
-            .nodes
-            .iter()
-            .map(|nodes| RankSet::new(nodes.len()))
-            .collect();
         let mut cycle = 0;
-        loop {
-            if ready.iter().all(RankSet::is_empty) {
-                match self.calendar.next_from(cycle) {
-                    Some(next) => cycle = next,
-                    None => break,
-                }
-            }
-            self.calendar.drain(cycle, |node| {
-                let node = node as usize;
-                ready[graph.kind[node] as usize].insert(order.rank[node]);
-            });
-            for (kind, ready) in ready.iter_mut().enumerate() {
+        while let Some(next) = self.ready.advance(graph, order, cycle) {
+            for (kind, nodes) in order.nodes.iter().enumerate() {
                 for _ in 0..graph.kinds[kind].count {
-                    let Some(rank) = ready.next_from(0) else {
+                    let Some(rank) = self.ready.sets[kind].next_from(0) else {
                         break;
                     };
-                    ready.remove(rank);
-                    let node = order.nodes[kind][rank as usize] as usize;
-                    self.issue[node] = cycle;
-                    issued(&mut self, node, cycle);
+                    self.ready.sets[kind].remove(rank);
+                    let node = nodes[rank as usize] as usize;
+                    self.issue[node] = next;
+                    issued(&mut self, node, next);
                 }
             }
-            cycle += 1;
+            cycle = next + 1;
         }
         debug_assert!(
             (graph.kind.iter().zip(&self.waits_for))

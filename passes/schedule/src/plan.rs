@@ -3,7 +3,7 @@
 
 use super::choice::{
     ADDEND_RANKS, Beside, ElementChoice, IssueDecision, IssuePlan, OperandSource, OperandSources,
-    RANKS, Route, Wanted, indirect_route, plain_route, shared,
+    RANKS, Route, indirect_route, plain_route, shared,
 };
 use super::graph::Datum;
 use super::locations::{Entry, Memory};
@@ -51,7 +51,7 @@ impl Sweep<'_> {
     /// The data that a node reads.
     #[inline]
     pub(super) fn data(&self, node: usize) -> [Option<Datum>; Operand::MAX_COUNT] {
-        self.graph.data_of(&self.function.nodes()[node])
+        self.task.graph.data_of(&self.task.function.nodes()[node])
     }
 
     /// The operands of a node as data flow.
@@ -82,7 +82,7 @@ impl Sweep<'_> {
         let sources = self.sources(node);
         self.mark(sources);
         let is_free = |at: &IssuePlan| self.busy[at.element.index()] != cycle + 1;
-        let plan = match self.choice {
+        let plan = match self.task.choice {
             ElementChoice::First => self.places(node).filter(is_free).find_map(|at| {
                 self.plain(&sources, at, cycle)
                     .or_else(|| self.indirect(&sources, at, cycle))
@@ -143,7 +143,7 @@ impl Sweep<'_> {
         places: impl Iterator<Item = IssuePlan>,
         before: u32,
     ) -> Option<IssuePlan> {
-        let elements = self.graph.kinds[self.graph.kind[node] as usize].count as usize;
+        let elements = self.task.graph.kinds[self.task.graph.kind[node] as usize].count as usize;
         if elements * self.banks > MAX_COMPARED {
             return self.cheapest(sources, places, |at| self.plain(sources, at, before));
         }
@@ -168,18 +168,18 @@ impl Sweep<'_> {
     /// True when issuing the node a cycle later need not lengthen the
     /// schedule.
     pub(super) fn can_wait(&self, node: usize, cycle: u32) -> bool {
-        self.picky && cycle + self.graph.tail[node] + MARGIN < self.target
+        self.picky && cycle + self.task.graph.tail[node] + MARGIN < self.task.target
     }
 
     /// The elements that perform a node, and on each the ways to feed it its
     /// operands: as written and, where that is possible and makes a
     /// difference, with sides exchanged.
     pub(super) fn places(&self, node: usize) -> impl Iterator<Item = IssuePlan> + use<> {
-        let kind = self.graph.kinds[self.graph.kind[node] as usize];
-        let [left, right, _] = self.function.nodes()[node].operands;
+        let kind = self.task.graph.kinds[self.task.graph.kind[node] as usize];
+        let [left, right, _] = self.task.function.nodes()[node].operands;
         let exchanges = self.banks > 1
             && left != right
-            && self.function.nodes()[node].operation.is_commutative();
+            && self.task.function.nodes()[node].operation.is_commutative();
         let sides = 1 + u32::from(exchanges);
         let banks = self.banks as u32;
         (kind.first * sides..(kind.first + kind.count) * sides).map(move |place| {
@@ -200,25 +200,6 @@ impl Sweep<'_> {
                 routes: [None; Operand::MAX_COUNT],
             }
         })
-    }
-
-    /// See [`plain_route`].
-    #[inline(always)]
-    fn plain_route(
-        &self,
-        source: OperandSource,
-        memory: Memory,
-        held: Option<Entry>,
-        before: u32,
-        beside: Option<Beside<'_>>,
-    ) -> Option<Route> {
-        let wanted = Wanted {
-            memory,
-            held,
-            before,
-        };
-        let draft = &self.draft;
-        plain_route(&draft.ports, &draft.locations, source, wanted, beside)
     }
 
     /// The plan without buffers that has everything written before a cycle.
@@ -245,7 +226,7 @@ impl Sweep<'_> {
                     };
                     // Nothing is planned before the first operand.
                     let beside = (operand > 0).then_some(beside);
-                    self.plain_route(source, memory, held, before, beside)?
+                    plain_route(&self.draft, source, memory, held, before, beside)?
                 }
             };
             plan.routes[operand] = Some(route);
@@ -271,7 +252,7 @@ impl Sweep<'_> {
                         plan: &plan,
                         operand,
                     };
-                    self.plain_route(source, memory, held, cycle, Some(beside))
+                    plain_route(draft, source, memory, held, cycle, Some(beside))
                 });
             }
         }
@@ -404,10 +385,7 @@ impl Sweep<'_> {
                 let Some(result) = source.result else {
                     return true;
                 };
-                if self
-                    .plain_route(source, memory, held, u32::MAX, None)
-                    .is_some()
-                {
+                if plain_route(draft, source, memory, held, u32::MAX, None).is_some() {
                     return true;
                 }
                 let from = draft

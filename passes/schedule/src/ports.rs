@@ -122,6 +122,22 @@ impl Ports {
         Element::new((memory.index() / self.banks) as u32)
     }
 
+    /// The transfer of a datum from its producer to a memory.
+    pub(super) fn transfer(
+        &self,
+        datum: Datum,
+        from: Element,
+        memory: Memory,
+        departs: u32,
+    ) -> WordTransfer {
+        WordTransfer {
+            datum,
+            from,
+            to: self.element_of(memory),
+            departs,
+        }
+    }
+
     /// All memories, in order.
     pub(super) fn memories(&self) -> impl Iterator<Item = Memory> + use<> {
         (0..self.memories as u32).map(Memory::new)

@@ -1,5 +1,8 @@
 //! The operations that could be issued, best first, and those that will be.
 
+use super::graph::DependenceGraph;
+use super::order::SchedulingOrder;
+
 /// A set of ranks that finds its smallest member, or the next one after a
 /// rank, in a handful of word operations.
 ///
@@ -107,7 +110,7 @@ impl Calendar {
     }
 
     /// Hands the nodes of a cycle to `take`, in order of entry.
-    pub(super) fn drain(&mut self, cycle: u32, mut take: impl FnMut(u32)) {
+    fn drain(&mut self, cycle: u32, mut take: impl FnMut(u32)) {
         let length = self.buckets.len();
         let bucket = &mut self.buckets[cycle as usize % length];
         self.waiting -= bucket.len();
@@ -117,12 +120,49 @@ impl Calendar {
     }
 
     /// The first cycle from `cycle` on that has an entry.
-    pub(super) fn next_from(&self, cycle: u32) -> Option<u32> {
+    fn next_from(&self, cycle: u32) -> Option<u32> {
         if self.waiting == 0 {
             return None;
         }
         let length = self.buckets.len() as u32;
         (cycle..cycle + length).find(|&at| !self.buckets[(at % length) as usize].is_empty())
+    }
+}
+
+/// The operations that are ready, and those that will be.
+pub(super) struct ReadyNodes {
+    /// The ranks of those that are ready, by kind.
+    pub(super) sets: Vec<RankSet>,
+    /// The others whose cycle is known.
+    pub(super) calendar: Calendar,
+}
+
+impl ReadyNodes {
+    /// None, for waits of up to `longest_wait` cycles.
+    pub(super) fn new(order: &SchedulingOrder, longest_wait: u32) -> ReadyNodes {
+        let nodes = order.nodes.iter();
+        ReadyNodes {
+            sets: nodes.map(|nodes| RankSet::new(nodes.len())).collect(),
+            calendar: Calendar::new(longest_wait),
+        }
+    }
+
+    /// The first cycle from `cycle` on with operations that are ready, which
+    /// are then in their sets; `None` after the last one.
+    pub(super) fn advance(
+        &mut self,
+        graph: &DependenceGraph,
+        order: &SchedulingOrder,
+        mut cycle: u32,
+    ) -> Option<u32> {
+        if self.sets.iter().all(RankSet::is_empty) {
+            cycle = self.calendar.next_from(cycle)?;
+        }
+        self.calendar.drain(cycle, |node| {
+            let node = node as usize;
+            self.sets[graph.kind[node] as usize].insert(order.rank[node]);
+        });
+        Some(cycle)
     }
 }
 

@@ -5,7 +5,7 @@ use super::graph::DependenceGraph;
 use super::locations::{Entry, Locations};
 use super::order::SchedulingOrder;
 use super::ports::{Ports, banks};
-use super::ready::{Calendar, RankSet};
+use super::ready::ReadyNodes;
 use super::seats::Ahead;
 use robovec_ir::{Function, Machine, Operand};
 
@@ -82,14 +82,11 @@ pub(super) struct Waiting {
 }
 
 pub(super) struct Sweep<'a> {
-    pub(super) function: &'a Function,
-    pub(super) graph: &'a DependenceGraph,
+    pub(super) task: Task<'a>,
     pub(super) order: &'a SchedulingOrder,
-    pub(super) choice: ElementChoice,
     pub(super) banks: usize,
     pub(super) draft: ScheduleDraft,
-    pub(super) calendar: Calendar,
-    pub(super) ready: Vec<RankSet>,
+    pub(super) ready: ReadyNodes,
     /// The state of each node that is not issued.
     pub(super) waiting: Vec<Waiting>,
     /// The last cycle each element issued in, plus one.
@@ -99,9 +96,8 @@ pub(super) struct Sweep<'a> {
     pub(super) stamp: u32,
     pub(super) last_issue: u32,
     /// Operations wait for an element that needs no buffer while the schedule
-    /// need not become longer than [`Sweep::target`].
+    /// need not become longer than [`Task::target`].
     pub(super) picky: bool,
-    pub(super) target: u32,
     pub(super) manner: Manner,
     /// The bookings, unless elements are decided at issue.
     pub(super) ahead: Option<Ahead>,
@@ -111,23 +107,15 @@ pub(super) struct Sweep<'a> {
 
 impl<'a> Sweep<'a> {
     pub(super) fn new(task: Task<'a>, order: &'a SchedulingOrder, manner: Manner) -> Sweep<'a> {
-        let Task {
-            function,
-            graph,
-            machine,
-            choice,
-            target,
-        } = task;
+        let (function, graph) = (task.function, task.graph);
         let nodes = graph.kind.len();
-        let banks = banks(machine);
+        let banks = banks(task.machine);
         let elements: usize = graph.kinds.iter().map(|kind| kind.count as usize).sum();
-        let ports = Ports::new(machine);
+        let ports = Ports::new(task.machine);
         let longest_wait = graph.largest_weight() + ports.longest_travel();
         Sweep {
-            function,
-            graph,
+            task,
             order,
-            choice,
             banks,
             draft: ScheduleDraft {
                 reads: vec![[None; Operand::MAX_COUNT]; nodes],
@@ -137,12 +125,7 @@ impl<'a> Sweep<'a> {
                 live: vec![0; elements * banks],
                 cycles: 0,
             },
-            calendar: Calendar::new(longest_wait.max(LONGEST_PAUSE)),
-            ready: order
-                .nodes
-                .iter()
-                .map(|nodes| RankSet::new(nodes.len()))
-                .collect(),
+            ready: ReadyNodes::new(order, longest_wait.max(LONGEST_PAUSE)),
             waiting: graph
                 .computed_operands
                 .iter()
@@ -157,7 +140,6 @@ impl<'a> Sweep<'a> {
             stamp: 0,
             last_issue: 0,
             picky: true,
-            target,
             manner,
             ahead: (manner != Manner::AtIssue).then(|| Ahead::new(nodes, elements, banks)),
             is_output: outputs(function),

@@ -10,7 +10,6 @@
 use super::choice::IssueDecision;
 use super::graph::HOST;
 use super::order::SchedulingOrder;
-use super::ready::RankSet;
 use super::state::{IssueOutcome, LONGEST_PAUSE, Manner, ScheduleDraft, Stuck, Sweep, Task};
 
 /// Places every operation in the given order.
@@ -32,28 +31,18 @@ pub(super) fn sweep(
 
 impl Sweep<'_> {
     fn run(&mut self) -> Result<(), Stuck> {
-        for node in 0..self.graph.kind.len() {
-            if self.graph.kind[node] != HOST && self.waiting[node].operands == 0 {
-                self.calendar.enter(0, node as u32);
+        for node in 0..self.task.graph.kind.len() {
+            if self.task.graph.kind[node] != HOST && self.waiting[node].operands == 0 {
+                self.ready.calendar.enter(0, node as u32);
             }
         }
         let travel = self.draft.ports.longest_travel();
-        let patience = 4 * (self.graph.largest_weight() + travel + LONGEST_PAUSE);
+        let patience = 4 * (self.task.graph.largest_weight() + travel + LONGEST_PAUSE);
         let mut cycle = 0;
-        loop {
-            if self.ready.iter().all(RankSet::is_empty) {
-                match self.calendar.next_from(cycle) {
-                    Some(next) => cycle = next,
-                    None => return Ok(()),
-                }
-            }
-            let (graph, order, ready) = (self.graph, self.order, &mut self.ready);
-            self.calendar.drain(cycle, |node| {
-                let node = node as usize;
-                ready[graph.kind[node] as usize].insert(order.rank[node]);
-            });
+        while let Some(next) = self.ready.advance(self.task.graph, self.order, cycle) {
+            cycle = next;
             self.draft.ports.reach(cycle);
-            for kind in 0..self.graph.kinds.len() {
+            for kind in 0..self.task.graph.kinds.len() {
                 self.issue_kind(kind, cycle)?;
             }
             if cycle > self.last_issue + patience {
@@ -61,26 +50,27 @@ impl Sweep<'_> {
             }
             cycle += 1;
         }
+        Ok(())
     }
 
     /// Issues as many operations as the elements of one kind can take in one
     /// cycle: first those that need no buffer or cannot wait, then, on elements
     /// still free, the rest.
     fn issue_kind(&mut self, kind: usize, cycle: u32) -> Result<(), Stuck> {
-        let mut free = self.graph.kinds[kind].count;
+        let mut free = self.task.graph.kinds[kind].count;
         let tries = 8 * free + 64;
         for picky in [true, false] {
             self.picky = picky;
             let (mut tries_left, mut waiting, mut rank) = (tries, 0, 0);
             while free > 0 && tries_left > 0 {
-                let Some(next) = self.ready[kind].next_from(rank) else {
+                let Some(next) = self.ready.sets[kind].next_from(rank) else {
                     break;
                 };
                 rank = next + 1;
                 let node = self.order.nodes[kind][next as usize] as usize;
                 match self.issue(node, cycle) {
                     IssueOutcome::Issued => {
-                        self.ready[kind].remove(next);
+                        self.ready.sets[kind].remove(next);
                         free -= 1;
                     }
                     IssueOutcome::Waits => {
@@ -88,7 +78,7 @@ impl Sweep<'_> {
                         tries_left -= 1;
                     }
                     IssueOutcome::Failed => {
-                        self.ready[kind].remove(next);
+                        self.ready.sets[kind].remove(next);
                         self.postpone(node, cycle)?;
                         tries_left -= 1;
                     }
@@ -119,7 +109,7 @@ impl Sweep<'_> {
 
     fn postpone(&mut self, node: usize, cycle: u32) -> Result<(), Stuck> {
         if self.manner == Manner::Ahead {
-            self.calendar.enter(cycle + 1, node as u32);
+            self.ready.calendar.enter(cycle + 1, node as u32);
             return Ok(());
         }
         let failures = self.waiting[node].failures;
@@ -130,7 +120,7 @@ impl Sweep<'_> {
         self.waiting[node].failures = failures.saturating_add(1);
         // One cycle for the first tries, then 2, 4, … 64.
         let pause = (1 << (failures / 4).min(6)).min(LONGEST_PAUSE);
-        self.calendar.enter(cycle + pause, node as u32);
+        self.ready.calendar.enter(cycle + pause, node as u32);
         Ok(())
     }
 }
