@@ -135,15 +135,16 @@ pub fn rounding(view: View<'_>, states: &States, count: u32) -> RoundingErrors {
     }
 }
 
-/// The smallest error that this part of all errors does not exceed, in units
-/// of rounding; NaN without errors.
-fn place(errors: &mut [f64], part: usize, of: usize) -> f64 {
-    if errors.is_empty() {
-        return f64::NAN;
-    }
-    let index = (errors.len() * part).div_ceil(of) - 1;
+/// The smallest error that this part of all does not exceed, if there is one.
+pub fn quantile(errors: &mut [f64], part: usize, of: usize) -> Option<f64> {
+    let index = (errors.len() * part).div_ceil(of).checked_sub(1)?;
     let (_, error, _) = errors.select_nth_unstable_by(index, f64::total_cmp);
-    *error / UNIT
+    Some(*error)
+}
+
+/// The quantile in units of rounding; NaN without errors.
+fn place(errors: &mut [f64], part: usize, of: usize) -> f64 {
+    quantile(errors, part, of).map_or(f64::NAN, |error| error / UNIT)
 }
 
 impl Quantiles {

@@ -6,15 +6,14 @@
 //! array, an array by its largest error over its largest element, as in
 //! [`robovec_analysis::accuracy`].
 
-use robovec_analysis::accuracy::evaluate_at;
+use robovec_analysis::accuracy::{VANISHING, distance, evaluate_at};
+use robovec_analysis::rounding::quantile;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, View};
 use robovec_num::arithmetic::{Binary32, Binary64};
 use robovec_num::double_double::{Double, DoubleDouble};
 use robovec_num::soft_float::FormatArithmetic;
-
-/// Elements below this part of their array's largest vanish: 2⁻⁷⁰.
-const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
+use std::ops::Range;
 
 /// Inputs and exact outputs in some states.
 pub(crate) struct ReferenceOutputs {
@@ -23,6 +22,19 @@ pub(crate) struct ReferenceOutputs {
     /// The output array of every assignment.
     arrays: Vec<usize>,
     count: usize,
+}
+
+/// The inputs of a function in some states, and its outputs there in
+/// double-double.
+pub(crate) fn reference_states(
+    view: View<'_>,
+    states: &States,
+    numbers: Range<u32>,
+) -> (Vec<Vec<f64>>, Vec<Vec<Double>>) {
+    let inputs: Vec<Vec<f64>> = numbers.map(|number| states.draw(view, number)).collect();
+    let exact = |state: &Vec<f64>| evaluate_at(view.function, &DoubleDouble, state);
+    let exact = inputs.iter().map(exact).collect();
+    (inputs, exact)
 }
 
 /// Errors over all states, relative to the numbers themselves (no units).
@@ -38,16 +50,11 @@ pub(crate) struct Errors {
 impl ReferenceOutputs {
     /// Evaluates a function in double-double at some states.
     pub(crate) fn new(view: View<'_>, states: &States, first: u32, count: u32) -> ReferenceOutputs {
-        let inputs: Vec<Vec<f64>> = (first..first + count)
-            .map(|index| states.draw(view, index))
-            .collect();
+        let (inputs, exact) = reference_states(view, states, first..first + count);
         let function = view.function;
         let assignments = function.assignments.iter();
         ReferenceOutputs {
-            exact: inputs
-                .iter()
-                .map(|state| evaluate_at(function, &DoubleDouble, state))
-                .collect(),
+            exact,
             inputs,
             arrays: assignments
                 .map(|a| function.output_array(a.output))
@@ -95,9 +102,9 @@ impl ReferenceOutputs {
             normwise.extend(present.map(|(error, size)| error / size));
         }
         Errors {
-            relative: place(&mut relative, 1, 2),
+            relative: quantile(&mut relative, 1, 2).unwrap_or(0.0),
             normwise: [(1, 2), (9, 10), (99, 100), (1, 1)]
-                .map(|(part, of)| place(&mut normwise, part, of)),
+                .map(|(part, of)| quantile(&mut normwise, part, of).unwrap_or(0.0)),
         }
     }
 }
@@ -125,23 +132,4 @@ impl Errors {
         let logarithms = self.relative.max(1e-40).log2() + median.log2() + most.log2();
         (logarithms / 3.0).exp2()
     }
-}
-
-/// The distance of a number from the exact one; NaN where that is not finite.
-fn distance(exact: Double, computed: f64) -> f64 {
-    match (exact.high.is_finite(), computed.is_finite()) {
-        (false, _) => f64::NAN,
-        (true, false) => f64::INFINITY,
-        (true, true) => exact.distance(computed),
-    }
-}
-
-/// The smallest error that this part of all does not exceed; 0 without any.
-fn place(errors: &mut [f64], part: usize, of: usize) -> f64 {
-    if errors.is_empty() {
-        return 0.0;
-    }
-    let index = (errors.len() * part).div_ceil(of) - 1;
-    let (_, error, _) = errors.select_nth_unstable_by(index, f64::total_cmp);
-    *error
 }

@@ -1,7 +1,6 @@
 //! One of two ways to choose forms.
 
 use super::curve_map::CurveMapper;
-use super::flow::MappingModel;
 use super::map::{Mapper, Mapping};
 use robovec_framework::option_words;
 
@@ -32,7 +31,7 @@ pub(crate) enum FormChooser<'a, 'n> {
         mapper: &'a Mapper<'n>,
         earliest: Mapping,
         /// The mapping that was kept last.
-        model: MappingModel,
+        model: Mapping,
         rounds: u32,
     },
 }
@@ -124,7 +123,7 @@ impl<'a, 'n> FormChooser<'a, 'n> {
     /// Lets the next mapping be modelled on one.
     pub(crate) fn keep(&mut self, mapping: Mapping) {
         if let FormChooser::Flow { model, .. } = self {
-            *model = mapping.into_model();
+            *model = mapping;
         }
     }
 

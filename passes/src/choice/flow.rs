@@ -10,25 +10,6 @@ use super::dense::{FlowState, FormFlow};
 use super::map::{Mapper, Mapping};
 use super::timing::NEVER;
 
-/// Basis of a model of another mapping: forms, the number of uses of each
-/// class, and the classes that are considered.
-pub(crate) struct MappingModel {
-    chosen: Vec<u32>,
-    uses: Vec<u32>,
-    demanded: Vec<bool>,
-}
-
-impl Mapping {
-    /// Basis of models of other mappings.
-    pub(crate) fn into_model(self) -> MappingModel {
-        MappingModel {
-            chosen: self.chosen,
-            uses: self.uses,
-            demanded: self.demanded,
-        }
-    }
-}
-
 /// The largest network whose choices are improved one by one, in classes: the
 /// operations that are attached to a choice are counted again for every form.
 const LARGEST_EXACT: usize = 1_000_000;
@@ -73,7 +54,7 @@ impl Mapper<'_> {
 
     /// The mapping with few operations, however late: it starts from the forms
     /// of the original function.
-    pub(crate) fn cheapest(&self, rounds: u32) -> MappingModel {
+    pub(crate) fn cheapest(&self, rounds: u32) -> Mapping {
         let mut mapping = self.unmapped();
         for at in 0..self.forms.len() {
             let Some(form) = self.forms.of(at).next() else {
@@ -83,7 +64,7 @@ impl Mapper<'_> {
             mapping.arrivals[at] = self.arrival(&mapping, form);
         }
         self.recover(&mut mapping, NEVER, rounds, None);
-        mapping.into_model()
+        mapping
     }
 
     /// Takes operations off the [earliest](Mapper::earliest) mapping without
@@ -98,7 +79,7 @@ impl Mapper<'_> {
         mapping: &mut Mapping,
         latest: u32,
         rounds: u32,
-        model: Option<&MappingModel>,
+        model: Option<&Mapping>,
     ) {
         self.postpone(mapping, latest);
         let mut best = (mapping.operations, mapping.chosen.clone());
@@ -140,7 +121,7 @@ impl Mapper<'_> {
         mapping: &mut Mapping,
         best: &mut (u64, Vec<u32>),
         (latest, rounds): (u32, u32),
-        model: Option<&MappingModel>,
+        model: Option<&Mapping>,
     ) {
         let share = |&uses: &u32| f64::from(uses.max(1));
         let uses = model.map_or(&mapping.uses, |model| &model.uses);

@@ -44,29 +44,26 @@ pub(super) fn file(
     };
     let plain = only(function, |output| !is_block(output));
     let (inputs, outputs) = (arrays(plain.inputs()), arrays(plain.outputs()));
-    let mut maker = DerivativeMaker { context };
     let values = column_vectors(&plain, &vec![false; outputs.len()]);
     let mut parts = Vec::new();
     let has_derivatives = plain.input_len() > 0 && plain.output_len() > 0;
     if order != DerivativeOrder::None && has_derivatives {
         let whole = column_vectors(function, &given.is_block);
-        let jacobian = maker.jacobian(&whole, &given)?;
-        let forward = maker.derivative(&values, "direction")?;
-        let adjoint = maker.derivative(&values, "gradient")?;
+        let jacobian = jacobian(context, &whole, &given)?;
+        let forward = derivative(context, &values, "direction")?;
+        let adjoint = derivative(context, &values, "gradient")?;
         if order == DerivativeOrder::Second {
-            let hessian = maker.derivative(&adjoint, "jacobian")?;
-            parts.push((CasadiRole::AdjointJacobian, hessian));
-            let product = maker.derivative(&adjoint, "direction")?;
-            parts.push((CasadiRole::AdjointForward, product));
-            let product = maker.derivative(&jacobian, "direction")?;
-            parts.push((CasadiRole::JacobianForward, product));
-            let product = maker.derivative(&jacobian, "gradient")?;
-            parts.push((CasadiRole::JacobianAdjoint, product));
-            let along = with_other_directions(&forward, values.inputs(), maker.context.tables);
-            let twice = maker.derivative(&along, "direction")?;
-            parts.push((CasadiRole::ForwardForward, twice));
-            let back = maker.derivative(&along, "gradient")?;
-            parts.push((CasadiRole::ForwardAdjoint, back));
+            let along = with_other_directions(&forward, values.inputs(), context.tables);
+            for (role, of, result) in [
+                (CasadiRole::AdjointJacobian, &adjoint, "jacobian"),
+                (CasadiRole::AdjointForward, &adjoint, "direction"),
+                (CasadiRole::JacobianForward, &jacobian, "direction"),
+                (CasadiRole::JacobianAdjoint, &jacobian, "gradient"),
+                (CasadiRole::ForwardForward, &along, "direction"),
+                (CasadiRole::ForwardAdjoint, &along, "gradient"),
+            ] {
+                parts.push((role, derivative(context, of, result)?));
+            }
         }
         parts.push((CasadiRole::Jacobian, jacobian));
         parts.push((CasadiRole::Forward, forward));
@@ -128,87 +125,79 @@ impl GivenJacobians {
     }
 }
 
-/// Makes derivatives with the passes of the registry.
-struct DerivativeMaker<'a, 'b> {
-    context: &'a mut Context<'b>,
+/// The derivative of all outputs by all inputs, without the outputs.
+fn derivative(
+    context: &mut Context<'_>,
+    function: &Function,
+    result: &str,
+) -> Result<Function, PassError> {
+    let step = format!("atomise,differentiate{{result={result} values=false}}");
+    made(context, function.clone(), &format!("{step},{SHORTEN}"))
 }
 
-impl DerivativeMaker<'_, '_> {
-    /// The derivative of all outputs by all inputs, without the outputs.
-    fn derivative(&mut self, function: &Function, result: &str) -> Result<Function, PassError> {
-        let step = format!("atomise,differentiate{{result={result} values=false}}");
-        self.made(function.clone(), &format!("{step},{SHORTEN}"))
+/// The Jacobian: the blocks that the function gives, and derivatives of its
+/// outputs by the other inputs.
+fn jacobian(
+    context: &mut Context<'_>,
+    function: &Function,
+    given: &GivenJacobians,
+) -> Result<Function, PassError> {
+    let text = |array: &Array| context.tables.symbols.text(array.name).to_owned();
+    let outputs = function.outputs().iter().zip(&given.is_block);
+    let of = outputs.filter(|(_, is_block)| !**is_block);
+    let of: Vec<String> = of.map(|(array, _)| text(array)).collect();
+    let by: Vec<String> = function.inputs().iter().map(text).collect();
+    let missing = (0..by.len()).filter(|x| !given.by.contains(x));
+    let missing: Vec<&str> = missing.map(|x| by[x].as_str()).collect();
+    // A block that only some outputs have is made anew.
+    let is_kept = |output: &Array| {
+        let name = text(output);
+        let is_given = |x: &usize| of.iter().any(|y| name == format!("{y}_{}", by[*x]));
+        of.contains(&name) || given.by.iter().any(is_given)
+    };
+    let mut whole = only(function, is_kept);
+    if !missing.is_empty() {
+        let (of, by) = (of.join("+"), missing.join("+"));
+        let step = format!("atomise,differentiate{{of={of} by={by}}}");
+        whole = made(context, whole, &step)?;
     }
+    let blocks = of
+        .iter()
+        .flat_map(|y| by.iter().map(move |x| format!("{y}_{x}")));
+    let symbols = &context.tables.symbols;
+    let ordered = blocks.map(|name| {
+        let mut outputs = whole.outputs().iter();
+        let found = outputs.find(|output| symbols.text(output.name) == name);
+        *found.expect("every block is given or made")
+    });
+    let ordered = with_outputs(&whole, &ordered.collect::<Vec<Array>>());
+    made(context, ordered, SHORTEN)
+}
 
-    /// The Jacobian: the blocks that the function gives, and derivatives of
-    /// its outputs by the other inputs.
-    fn jacobian(
-        &mut self,
-        function: &Function,
-        given: &GivenJacobians,
-    ) -> Result<Function, PassError> {
-        let names = |arrays: Vec<&Array>, tables: &Tables| -> Vec<String> {
-            let names = arrays.into_iter();
-            names
-                .map(|array| tables.symbols.text(array.name).to_owned())
-                .collect()
-        };
-        let tables = &*self.context.tables;
-        let outputs = function.outputs().iter().zip(&given.is_block);
-        let of = outputs
-            .filter(|(_, is_block)| !**is_block)
-            .map(|(array, _)| array);
-        let of = names(of.collect(), tables);
-        let by = names(function.inputs().iter().collect(), tables);
-        let missing = (0..by.len()).filter(|x| !given.by.contains(x));
-        let missing: Vec<&str> = missing.map(|x| by[x].as_str()).collect();
-        let blocks = of
-            .iter()
-            .flat_map(|y| by.iter().map(move |x| format!("{y}_{x}")));
-        let blocks: Vec<String> = blocks.collect();
-        // A block that only some outputs have is made anew.
-        let is_kept = |output: &Array| {
-            let name = tables.symbols.text(output.name);
-            let is_given = |x: &&usize| of.iter().any(|y| *name == format!("{y}_{}", by[**x]));
-            of.iter().any(|y| y == name) || given.by.iter().any(|x| is_given(&x))
-        };
-        let mut whole = only(function, is_kept);
-        if !missing.is_empty() {
-            let (of, by) = (of.join("+"), missing.join("+"));
-            let step = format!("atomise,differentiate{{of={of} by={by}}}");
-            whole = self.made(whole, &step)?;
-        }
-        let symbols = &self.context.tables.symbols;
-        let ordered = blocks.iter().map(|name| {
-            let mut outputs = whole.outputs().iter();
-            let found = outputs.find(|output| symbols.text(output.name) == name);
-            *found.expect("every block is given or made")
-        });
-        let ordered = with_outputs(&whole, &ordered.collect::<Vec<Array>>());
-        self.made(ordered, SHORTEN)
-    }
-
-    /// The function after a pipeline of which every step is proved.
-    fn made(&mut self, function: Function, passes: &str) -> Result<Function, PassError> {
-        let pipeline = self.context.registry.pipeline(passes);
-        let pipeline = pipeline.map_err(|error| PassError::new(error.to_string()))?;
-        let mut module = Module {
-            tables: std::mem::take(self.context.tables),
-            functions: vec![function],
-        };
-        let mut log = std::io::sink();
-        let config = Config {
-            rules: Some(self.context.rules),
-            check_each: Some(POINTS),
-            remarks: false,
-            records: false,
-            ..Config::new(self.context.machine, &mut log)
-        };
-        let outcome = manager::run(&mut module, &pipeline, config);
-        *self.context.tables = module.tables;
-        outcome.map_err(|error| PassError::new(error.to_string()))?;
-        Ok(module.functions.remove(0))
-    }
+/// The function after a pipeline of the registry of which every step is proved.
+fn made(
+    context: &mut Context<'_>,
+    function: Function,
+    passes: &str,
+) -> Result<Function, PassError> {
+    let pipeline = context.registry.pipeline(passes);
+    let pipeline = pipeline.map_err(|error| PassError::new(error.to_string()))?;
+    let mut module = Module {
+        tables: std::mem::take(context.tables),
+        functions: vec![function],
+    };
+    let mut log = std::io::sink();
+    let config = Config {
+        rules: Some(context.rules),
+        check_each: Some(POINTS),
+        remarks: false,
+        records: false,
+        ..Config::new(context.machine, &mut log)
+    };
+    let outcome = manager::run(&mut module, &pipeline, config);
+    *context.tables = module.tables;
+    outcome.map_err(|error| PassError::new(error.to_string()))?;
+    Ok(module.functions.remove(0))
 }
 
 /// Points at which every step of a derivative is checked.

@@ -56,12 +56,8 @@ impl WeightWriter {
     pub(super) fn new(function: Function) -> WeightWriter {
         let mut known = KnownValues::with_capacity(2 * function.nodes().len());
         for (value, node) in function.values() {
-            if known
-                .find(&function, Key::new(node.operation, node.operands))
-                .is_none()
-            {
-                known.insert(&function, value);
-            }
+            let key = Key::new(node.operation, node.operands);
+            known.find_or_insert(&function, key, value);
         }
         WeightWriter {
             names: function.fresh_names(),

@@ -1,11 +1,12 @@
 //! Errors relative to the allowed ones.
 
-use robovec_analysis::accuracy::evaluate_at;
+use crate::accurate::measure::reference_states;
+use robovec_analysis::accuracy::distance;
 use robovec_framework::scene::Allowed;
 use robovec_ir::evaluate::evaluate_nodes_in;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Function, OperandKind, ValueFormats, View};
-use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::double_double::Double;
 
 /// Exact outputs at some states, and their allowed errors.
 pub(super) struct AccuracyCheck {
@@ -23,13 +24,7 @@ impl AccuracyCheck {
         [first, count]: [u32; 2],
         allowed: &Allowed,
     ) -> AccuracyCheck {
-        let inputs: Vec<Vec<f64>> = (first..first + count)
-            .map(|index| states.draw(view, index))
-            .collect();
-        let exact: Vec<Vec<Double>> = inputs
-            .iter()
-            .map(|state| evaluate_at(view.function, &DoubleDouble, state))
-            .collect();
+        let (inputs, exact) = reference_states(view, states, first..first + count);
         let allowed = exact.iter().map(|outputs| {
             let values: Vec<f64> = outputs.iter().map(|output| output.high).collect();
             allowed.of(&values)
@@ -69,15 +64,8 @@ impl AccuracyCheck {
 /// An error divided by the allowed one; undefined where the exact number is not
 /// finite.
 fn ratio(exact: Double, computed: f64, allowed: f64) -> f64 {
-    if !exact.high.is_finite() {
-        return 0.0;
-    }
-    let distance = if computed.is_finite() {
-        exact.distance(computed)
-    } else {
-        f64::INFINITY
-    };
-    if distance == 0.0 {
+    let distance = distance(exact, computed);
+    if distance == 0.0 || distance.is_nan() {
         0.0
     } else {
         distance / allowed

@@ -80,7 +80,7 @@ impl<'a> PartialEvaluator<'a> {
         for assignment in &old.assignments {
             let reading = self.reading(assignment.operand);
             // What an output reads was computed, or is a number.
-            let operand = self.operand(reading, Name::NONE, Symbol(u32::MAX));
+            let operand = self.operand(reading, Symbol(u32::MAX));
             assignments.push(Assignment {
                 operand,
                 ..*assignment
@@ -122,26 +122,18 @@ impl<'a> PartialEvaluator<'a> {
         {
             return self.settle(value, node, form);
         }
-        let operands = readings.map(|reading| self.operand(reading, Name::NONE, owner));
+        let operands = readings.map(|reading| self.operand(reading, owner));
         Reading::Operand(self.push(node.operation, operands, node.name, node.sources))
     }
 
     /// An operation on values that are unchanged.
     fn same(&mut self, node: &Node, operands: [Operand; Operand::MAX_COUNT]) -> Reading {
-        if self.new.level == Level::Atomic {
-            let found = self
-                .computed
-                .find(&self.new, Key::new(node.operation, operands));
-            if let Some(found) = found
-                && self.rewrites.allow(node.name, "equal operations")
-            {
-                self.tally.merged += 1;
-                let merged = &mut self.new.node_mut(found).sources;
-                *merged = self.tables.sources.union(&[*merged, node.sources]);
-                return Reading::Operand(found.into());
-            }
-        }
-        Reading::Operand(self.push(node.operation, operands, node.name, node.sources))
+        let found = self.known(node.operation, operands);
+        let merged = found.filter(|_| self.rewrites.allow(node.name, "equal operations"));
+        Reading::Operand(match merged {
+            Some(found) => self.merge(found, node.sources),
+            None => self.push(node.operation, operands, node.name, node.sources),
+        })
     }
 
     /// The result of an operation as a form; `None` when it is not folded.
@@ -326,16 +318,11 @@ impl<'a> PartialEvaluator<'a> {
         Reading::Operand(self.compute(form, owner))
     }
 
-    fn operand(&mut self, reading: Reading, name: Name, owner: Symbol) -> Operand {
+    fn operand(&mut self, reading: Reading, owner: Symbol) -> Operand {
         match reading {
             Reading::Known(known) => self.number(known),
             Reading::Operand(operand) => operand,
-            Reading::Form(mut form) => {
-                if !name.is_none() {
-                    form.name = name;
-                }
-                self.compute(*form, owner)
-            }
+            Reading::Form(form) => self.compute(*form, owner),
         }
     }
 
@@ -450,16 +437,24 @@ impl<'a> PartialEvaluator<'a> {
         sources: SourceSet,
     ) -> Operand {
         let operands = Operand::list(operands);
-        if self.new.level == Level::Atomic {
-            let found = self.computed.find(&self.new, Key::new(operation, operands));
-            if let Some(found) = found {
-                self.tally.merged += 1;
-                let merged = &mut self.new.node_mut(found).sources;
-                *merged = self.tables.sources.union(&[*merged, sources]);
-                return found.into();
-            }
+        match self.known(operation, operands) {
+            Some(found) => self.merge(found, sources),
+            None => self.push(operation, operands, name, sources),
         }
-        self.push(operation, operands, name, sources)
+    }
+
+    /// The value that computes the same already; at the level of equations none
+    /// is looked for.
+    fn known(&self, operation: Operation, operands: [Operand; 3]) -> Option<Value> {
+        let key = Key::new(operation, operands);
+        self.computed.find(&self.new, key)
+    }
+
+    fn merge(&mut self, found: Value, sources: SourceSet) -> Operand {
+        self.tally.merged += 1;
+        let merged = &mut self.new.node_mut(found).sources;
+        *merged = self.tables.sources.union(&[*merged, sources]);
+        found.into()
     }
 
     fn push(
@@ -477,9 +472,7 @@ impl<'a> PartialEvaluator<'a> {
         });
         if self.new.level == Level::Atomic {
             let key = Key::new(operation, operands);
-            if self.computed.find(&self.new, key).is_none() {
-                self.computed.insert(&self.new, value);
-            }
+            self.computed.find_or_insert(&self.new, key, value);
         }
         value.into()
     }

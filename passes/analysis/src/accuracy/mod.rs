@@ -47,6 +47,7 @@ use robovec_num::format::Format;
 use robovec_num::soft_float::{FormatArithmetic, FormatLanes};
 use robovec_num::trigonometry::host;
 pub(super) use samples::Samples;
+pub use samples::{VANISHING, distance};
 pub use spread::StateSpread;
 use std::array;
 

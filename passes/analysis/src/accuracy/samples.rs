@@ -8,15 +8,14 @@ use robovec_num::format::Format;
 /// Elements smaller than this part of their array's largest are zero except for
 /// rounding: 2⁻⁷⁰, far above the rounding of double-double and far below that
 /// of binary64.
-const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
+pub const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
 
 /// One output in one state.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     /// The size of the exact value.
     size: f64,
-    /// The distance of the computed number from it; NaN where the exact value
-    /// is not finite, infinite where only the computed one is not.
+    /// The [`distance`] of the computed number from it.
     distance: f64,
     /// The floor that the mixed error adds to the size.
     floor: f64,
@@ -101,11 +100,7 @@ impl Samples {
             exact.zip(computed).zip(&self.arrays).enumerate()
         {
             let size = exact.high.abs();
-            let distance = match (size.is_finite(), computed.is_finite()) {
-                (false, _) => f64::NAN,
-                (true, false) => f64::INFINITY,
-                (true, true) => exact.distance(computed),
-            };
+            let distance = distance(exact, computed);
             let floor = match floors {
                 [] => 0.0,
                 floors => floors[place],
@@ -259,6 +254,16 @@ impl Samples {
                 .map(|array| self.array(array))
                 .collect(),
         }
+    }
+}
+
+/// The distance of a computed number from the exact one: NaN where that is not
+/// finite, infinite where only the computed one is not.
+pub fn distance(exact: Double, computed: f64) -> f64 {
+    match (exact.high.is_finite(), computed.is_finite()) {
+        (false, _) => f64::NAN,
+        (true, false) => f64::INFINITY,
+        (true, true) => exact.distance(computed),
     }
 }
 
