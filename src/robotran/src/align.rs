@@ -13,9 +13,8 @@ use robovec_ir::{
 type ArrayExtent = Vec<(String, Shape)>;
 
 /// Both functions with the union of their arrays. An output element that only
-/// one of them sets is unchanged by the other, with the caller's value: the
-/// input element of the same name (`frc`), else zero. Equal calls of a user
-/// function are one.
+/// one of them sets has the caller's value in the other: the input element of
+/// its name (`frc`), else zero. Equal calls of a user function are one.
 pub fn align(
     (before, before_tables): (&Function, &mut Tables),
     (after, after_tables): (&Function, &mut Tables),

@@ -1,7 +1,6 @@
 //! Extents and order of Robotran's models and arrays.
 //!
-//! Reader, writer and generator share these tables, because a function must
-//! have the same arrays from each of them.
+//! Reader, writer and generator share these tables: arrays are the same.
 
 use robovec_num::limits::NumberLimit;
 

@@ -8,16 +8,14 @@ use std::borrow::Cow;
 /// Files beyond this size are refused: offsets into them would not fit.
 const LARGEST_FILE: usize = 1 << 30;
 
-/// The text of a file: UTF-8, UTF-16 with its mark, or else Latin-1, in which
-/// old headers are written.
+/// The text of a file: UTF-8, UTF-16 with its mark, or else Latin-1.
 pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
     if bytes.len() > LARGEST_FILE {
         return Err(Diagnostic::error()
             .with_message("the file is larger than 1 GiB")
             .with_note("no generated file is this large; check that it is the right one"));
     }
-    // Compilers of C take control characters in comments; elsewhere the lexer
-    // refuses them.
+    // Compilers of C take control characters in comments alone.
     decode_text(
         bytes,
         "a Robotran file is plain text in C, Matlab or Python",
@@ -106,8 +104,7 @@ pub(super) fn detect(name: &str, text: &str) -> Option<Language> {
     by_extension.or_else(|| text.lines().find_map(language_of_comment))
 }
 
-/// True for the beginning of a text that a name or the head of a function
-/// shows to hold equations.
+/// True for the beginning of a text of equations, by its name or head.
 pub fn is_equations(name: &str, text: &str) -> bool {
     let extension = extension(name);
     ["rvir", "fpcore"].contains(&extension)

@@ -1,12 +1,10 @@
 //! C files that replace Robotran's, for speed.
 //!
-//! [`write()`] gives a file as Robotran would have written
-//! it: one function, which reads back. Here the same function is written for
-//! compilers and processors (`robovec_cgen::c`): in bounded parts,
-//! in an order that keeps values in registers, with all sines in one loop.
-//! Functions that have no such form (sensors, and those that call user
-//! functions in the middle) are written in one piece, so that every module
-//! gives a whole set of files.
+//! [`write()`] gives a file as Robotran would have written it: one function,
+//! which reads back. Here the same function is written for compilers and
+//! processors (`robovec_cgen::c`): in bounded parts, in an order that keeps
+//! values in registers, with all sines in one loop. Others (sensors, and those
+//! that call user functions in the middle) are written in one piece.
 
 use super::Language;
 use super::write::{RobotranWriteError, WriteOptions, write};
@@ -21,8 +19,7 @@ use robovec_ir::{Assignment, Function, Module, Output, SourceSet, View};
 pub struct DropInOptions {
     /// The C itself.
     pub c: Options,
-    /// The model's name and the elements that are not set, as in
-    /// [`write()`].
+    /// Name of the model and elements that are not set, as in [`write()`].
     pub write: WriteOptions,
     /// Write beside each function a main program that tries it, and a
     /// `mbs_data.h` to compile both without MBsysC.
@@ -32,8 +29,7 @@ pub struct DropInOptions {
     pub rivals: Vec<String>,
 }
 
-/// Maximum distance of results of compiled C from the evaluator's, relative to
-/// the largest number of the output array.
+/// Maximum distance of compiled results, relative to an array's largest.
 pub const TOLERANCE: f64 = 1e-12;
 
 /// The same for functions that compute in binary32.
@@ -106,9 +102,8 @@ fn test(view: View<'_>, options: &DropInOptions) -> String {
     trial_main(view, &options.c, &contestants, &trial)
 }
 
-/// A random state in which every input that the function does not read is 0:
-/// the structural zeros of its model, so that functions in which they are
-/// symbols can be compared with it.
+/// A random state in which every unread input is 0: structural zeros of the
+/// model, for functions in which they are symbols.
 pub fn state(view: View<'_>) -> Vec<f64> {
     let function = view.function;
     let mut is_read = vec![false; function.input_len()];
@@ -117,8 +112,7 @@ pub fn state(view: View<'_>) -> Vec<f64> {
     for input in nodes.chain(outputs).filter_map(|operand| operand.input()) {
         is_read[input.index()] = true;
         let (array, indices, _) = function.input_element(input);
-        // A tensor of inertia is symmetric: what stands for an element is
-        // read with it.
+        // A tensor of inertia is symmetric: both elements are read.
         if view.tables.symbols.text(array.name) == "In" {
             let row = [0, 1, 4, 7, 2, 5, 8, 3, 6, 9].get(indices[0] as usize);
             let twin = row.and_then(|&row| array.shape.offset(&[row, indices[1]]));
@@ -141,8 +135,7 @@ pub fn state(view: View<'_>) -> Vec<f64> {
     numbers
 }
 
-/// Sets the elements of outputs that the function does not assign to 0; arrays
-/// that are also inputs keep their values.
+/// Sets output elements without assignment to 0, except those of inputs.
 fn set_zeros(function: &mut Function) {
     let mut is_set = vec![false; function.output_len()];
     for assignment in &function.assignments {

@@ -6,8 +6,7 @@ use super::tokens::SpannedToken;
 use lalrpop_util::ParseError;
 use robovec_ir::diagnostic::{Diagnostic, Label};
 
-/// The message about a statement the grammar refused. `previous` is the token
-/// before the unexpected one.
+/// The message about a statement refused; `previous`: the token before.
 pub(super) fn explain(
     error: ParseError<u32, RobotranToken, LexicalError>,
     previous: Option<SpannedToken>,
@@ -23,7 +22,6 @@ pub(super) fn explain(
     }
 }
 
-/// An error with one label.
 pub(super) fn refusal(message: &str, span: SourceSpan, label: &str, note: &str) -> Diagnostic {
     Diagnostic::error()
         .with_message(message)

@@ -29,24 +29,19 @@ robovec_num::named! {
         LoopPositions = "loop_positions",
         /// The velocities of dependent joints.
         LoopVelocities = "loop_velocities",
-        /// Derivatives of the forces of inverse dynamics by positions and
-        /// velocities.
+        /// Derivatives of inverse dynamics by positions and velocities.
         InvdynaD = "invdyna_d",
-        /// Derivatives of forward dynamics by positions, velocities and forces,
-        /// loops left open.
+        /// Derivatives of forward dynamics, by all its inputs, loops left open.
         DirdynaD = "dirdyna_d",
-        /// Derivatives of accelerations by positions, velocities and forces, loops
-        /// closed.
+        /// Derivatives of accelerations by all their inputs, loops closed.
         AccelD = "accel_d",
-        /// The matrices of the linear system that moves as the model does near a
-        /// state, loops closed.
+        /// Matrices of the linear system near a state, loops closed.
         Linear = "linear",
         /// The inverse of the mass matrix.
         Minv = "minv",
         /// The forces of inverse dynamics for a unit of each inertia of a body.
         Regressor = "regressor",
-        /// Pose, motion and Jacobian of every frame that has a name, one function
-        /// each.
+        /// Pose, motion and Jacobian of every named frame, a function each.
         Frame = "frame",
     }
 }
@@ -78,8 +73,7 @@ impl FunctionKind {
         }
     }
 
-    /// True for parts of the whole step that Robotran makes on request only,
-    /// or has no function for.
+    /// True for parts of the whole step that Robotran has on request or never.
     pub fn is_part_of_step(self) -> bool {
         matches!(
             self,
@@ -95,8 +89,7 @@ impl FunctionKind {
         self.is_part_of_step() || self.is_derived() || self == FunctionKind::Frame
     }
 
-    /// True for functions that Robotran does not have: derivatives, and
-    /// functions for identification and control.
+    /// True for functions that Robotran does not have, such as derivatives.
     pub fn is_derived(self) -> bool {
         matches!(
             self,
@@ -109,8 +102,7 @@ impl FunctionKind {
         )
     }
 
-    /// Robotran's number; that of the reduced accelerations for their parts
-    /// about loops.
+    /// Robotran's number; for parts about loops that of `accelred`.
     pub fn number(self) -> &'static str {
         match self {
             FunctionKind::Dirdyna => "F1",

@@ -15,7 +15,6 @@ pub(super) const EXTENT: NumberLimit = NumberLimit::whole(
     "no multibody model has arrays like this",
 );
 
-/// The facts of a header.
 #[derive(Clone, Default, Debug)]
 pub(super) struct Header {
     pub(super) model: Option<String>,
@@ -28,15 +27,13 @@ pub(super) struct Header {
     pub(super) all_parameter_symbols: bool,
     /// The project's data structure has its name of before 2015.
     pub(super) old_structure: bool,
-    /// Arrays whose extent does not follow from their use: rows, and columns
-    /// or 0.
+    /// Arrays whose extent is not evident from use: rows, and columns or 0.
     pub(super) extents: Vec<(String, u32, u32)>,
     /// Sizes that no file can have: their places, and the reasons.
     pub(super) refused: Vec<(Range<usize>, String)>,
 }
 
 impl Header {
-    /// Reads the header of either generator.
     pub(super) fn read(text: &str) -> Header {
         let mut header = Header {
             old_structure: memchr::memmem::find(text.as_bytes(), b"MBSdataStruct").is_some(),

@@ -1,14 +1,12 @@
-//! The reader of Robotran's files: C, Matlab and Python, generators 6.6
-//! and 8.1, every kind of file.
+//! The reader of all Robotran files: C, Matlab, Python, generators 6.6 and 8.1.
 //!
 //! A file passes through [`decode`] (bytes to text), a lexer of its language
 //! ([`raw`], [`tokens`]), one grammar for all three (`grammar.lalrpop`) that
 //! writes into an arena ([`syntax`]), [`structure`] (functions, sensor cases,
 //! loops), [`storage`] (arrays and their extents) and [`lower`]. Plain
 //! equations, nearly all of a file, do not pass through the tables of the
-//! grammar (`tokens/equations.rs`); they are read with the same result. The
-//! result is a module at the equations level whose evaluation in 64-bit floats
-//! equals the compiled C file bit for bit.
+//! grammar (`tokens/equations.rs`); with the same result: a module of equations
+//! whose evaluation in 64-bit floats equals the compiled C bit for bit.
 
 pub mod align;
 pub mod conventions;
@@ -107,25 +105,17 @@ pub struct Read {
     /// One function for each function of the file, for each case of a sensor
     /// file (`sensor_3`), or for each part of a function with loops.
     pub module: Module,
-    /// Warnings, with the text they are about; without the text when there are
-    /// none.
+    /// Warnings, with the text they are about; without it when there are none.
     pub warnings: Report,
 }
 
 /// A file that could not be read: the reasons, and the text they point into.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .report.summary())]
 pub struct ReadError {
     /// One to twenty errors, perhaps with warnings.
     pub report: Report,
 }
-
-impl fmt::Display for ReadError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&self.report.summary())
-    }
-}
-
-impl std::error::Error for ReadError {}
 
 /// Reads a file of Robotran's. The name is used in messages and for the source
 /// places of the module, and, where the text leaves it open, to find the
@@ -260,8 +250,7 @@ fn parse(
     }
 }
 
-/// The tokens up to the end of a statement, and a flag: true when they were the
-/// last.
+/// The tokens up to the end of a statement; true when they were the last.
 struct StatementTokens<'a, T> {
     tokens: &'a mut T,
     ended: bool,

@@ -11,10 +11,8 @@ use robovec_num::decimal::is_lost;
 /// The number of a literal, or of an expression of literals alone.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Literal {
-    /// A whole number: `int` or, where that is too short, `long` of C, `int`
-    /// of Python.
+    /// A whole number: `int`, or C's `long` where that is too short.
     Whole {
-        /// Its number.
         value: i64,
         /// True for C's `long`.
         long: bool,
@@ -44,8 +42,7 @@ pub(super) enum IntegerArithmetic {
     Python,
 }
 
-/// Whole numbers of Python are exact at any length; up to this one, 64-bit
-/// floats are exact too.
+/// Whole numbers up to this one are exact 64-bit floats.
 const LARGEST_EXACT: i64 = 1 << 53;
 
 const TOO_LARGE: Unkept = Unkept {
@@ -80,11 +77,6 @@ impl Literal {
         }
     }
 
-    /// True for a whole number that is 0: it has no sign.
-    pub(super) fn is_whole_zero(self) -> bool {
-        matches!(self, Literal::Whole { value: 0, .. })
-    }
-
     fn single(self) -> f32 {
         match self {
             Literal::Whole { value, .. } => value as f32,
@@ -93,8 +85,7 @@ impl Literal {
         }
     }
 
-    /// The negative number; `None` for a 64-bit float, whose sign is an
-    /// operation of the representation.
+    /// The negative number; `None` for a 64-bit float: that is an operation.
     pub(super) fn negative(self) -> Result<Option<Literal>, Unkept> {
         match self {
             Literal::Whole { value, long } => whole(value.checked_neg(), long).map(Some),
@@ -103,8 +94,7 @@ impl Literal {
         }
     }
 
-    /// The result of an operation on two literals; `None` for one on 64-bit
-    /// floats.
+    /// Result of an operation on two literals; `None` for one on 64-bit floats.
     pub(super) fn combined(
         self,
         operation: Operation,
@@ -173,7 +163,6 @@ fn wholes(
     }
 }
 
-/// A number of Matlab.
 pub(super) fn matlab(text: &str) -> Result<Literal, Unkept> {
     float(text).map(Literal::Double)
 }
@@ -215,7 +204,6 @@ pub(super) fn c(text: &str) -> Result<Literal, Unkept> {
     float(&lower).map(Literal::Double)
 }
 
-/// A number of Python.
 pub(super) fn python(text: &str) -> Result<Literal, Unkept> {
     if text.bytes().all(|byte| byte.is_ascii_digit()) {
         if text.len() > 1 && text.starts_with('0') && text.bytes().any(|byte| byte != b'0') {
@@ -245,8 +233,7 @@ fn float(text: &str) -> Result<f64, Unkept> {
     }
 }
 
-/// True for digits with a point or an exponent; Rust takes `inf` and `nan`
-/// for numbers too.
+/// True for digits with a point or an exponent; Rust takes `inf` and `nan` too.
 fn is_decimal_float(text: &str) -> bool {
     text.bytes()
         .all(|byte| byte.is_ascii_digit() || matches!(byte, b'.' | b'e' | b'E' | b'+' | b'-'))

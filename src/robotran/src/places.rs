@@ -10,8 +10,7 @@ pub struct LineIndex<'t> {
     starts: Vec<u32>,
     /// The line found last, from 0.
     line: usize,
-    /// The byte whose column was counted last, and its column, from 0: a long
-    /// line is counted once.
+    /// The byte counted last, and its column, from 0: a line is counted once.
     counted: (u32, u32),
     ascii: bool,
     file: u32,

@@ -16,7 +16,6 @@ pub(super) enum Raw {
     /// A member with literal indices.
     MemberElement,
     Zeros,
-    /// A number of Matlab.
     Number,
     /// Lexeme that C or Python takes for one number, with its suffix: `0x1Fu`.
     Numeral,
@@ -190,8 +189,7 @@ fn block_comment(lexer: &mut Lexer<'_, C>) -> Result<Skip, ()> {
     }
 }
 
-/// The length of a line of C with the lines that a `\` before the line end
-/// joins to it, without the last line end.
+/// Length of a line of C and those that a `\` joins, without the line end.
 fn joined_length(text: &str) -> usize {
     let mut length = 0;
     for line in text.split_inclusive('\n') {
@@ -213,8 +211,7 @@ fn line_comment(lexer: &mut Lexer<'_, C>) -> Result<Skip, ()> {
     if trigraph { Err(()) } else { Ok(Skip) }
 }
 
-/// Skips a `\` at a line end; within a word or an operator it would join the
-/// two halves, and is refused.
+/// Skips a `\` at a line end; within a word or an operator it is refused.
 fn joined_lines(lexer: &mut Lexer<'_, C>) -> Result<Skip, ()> {
     let before = lexer.source()[..lexer.span().start].chars().next_back();
     let behind = lexer.remainder().chars().next();
@@ -226,8 +223,7 @@ fn joined_lines(lexer: &mut Lexer<'_, C>) -> Result<Skip, ()> {
     }
 }
 
-/// Takes a text or a character of C; one that is not closed ends with its
-/// line and is an error.
+/// Takes a text or a character of C; an open one ends at the line, an error.
 fn quoted(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
     let quote = lexer.slice().as_bytes()[0];
     let mut escaped = false;
@@ -250,13 +246,11 @@ fn quoted(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
     Err(())
 }
 
-/// Start of the last line of a text.
 fn line_start(text: &str) -> usize {
     text.rfind('\n').map_or(0, |at| at + 1)
 }
 
-/// Reads a line of the preprocessor, with the lines that a `\` or a comment
-/// over several lines joins to it.
+/// Reads a line of the preprocessor, with the lines joined to it.
 fn directive(lexer: &mut Lexer<'_, C>) -> Result<(), ()> {
     let before = &lexer.source()[..lexer.span().start];
     let line_start = line_start(before);

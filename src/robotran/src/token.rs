@@ -38,7 +38,6 @@ pub(super) struct LexicalError {
 }
 
 impl LexicalError {
-    /// The error at a token.
     #[cold]
     pub(super) fn new(span: SourceSpan, message: &'static str, note: &'static str) -> LexicalError {
         LexicalError {
@@ -47,12 +46,10 @@ impl LexicalError {
         }
     }
 
-    /// The reason.
     pub(super) fn message(&self) -> &'static str {
         self.reason[0]
     }
 
-    /// The advice.
     pub(super) fn note(&self) -> &'static str {
         self.reason[1]
     }
@@ -60,8 +57,7 @@ impl LexicalError {
 
 const OF_DATA: u32 = 1 << 31;
 
-/// An identifier, and a flag: true when it was reached through the data
-/// structure (`s->frc`, `s.frc`).
+/// An identifier; true when reached through the data structure (`s->frc`).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct RobotranName(u32);
 
@@ -99,13 +95,10 @@ pub(super) struct TypeWords(u8);
 impl TypeWords {
     /// `const` and its like, which change no number.
     pub(super) const QUALIFIER: TypeWords = TypeWords(0);
-    /// `double`.
     pub(super) const DOUBLE: TypeWords = TypeWords(1);
-    /// `float`.
     pub(super) const SINGLE: TypeWords = TypeWords(2);
     /// `int` and its like.
     pub(super) const WHOLE: TypeWords = TypeWords(4);
-    /// `void`.
     pub(super) const NOTHING: TypeWords = TypeWords(8);
     /// Robotran's structures.
     pub(super) const STRUCTURE: TypeWords = TypeWords(16);
@@ -115,12 +108,10 @@ impl TypeWords {
         TypeWords(self.0 | other.0)
     }
 
-    /// True for 64-bit floats.
     pub(super) fn is_double(self) -> bool {
         self == TypeWords::DOUBLE
     }
 
-    /// True for whole numbers.
     pub(super) fn is_whole(self) -> bool {
         self == TypeWords::WHOLE
     }

@@ -133,8 +133,7 @@ impl FunctionEmitter<'_, '_, '_> {
     }
 
     /// Refuses a call whose result is read or which may change a number, and
-    /// warns of any other; `shared` when an array, a structure or the place of
-    /// a number is handed over.
+    /// warns of others; `shared`: an array, structure or place is handed over.
     fn unknown_call(&mut self, callee: &str, (has_target, shared): (bool, bool), span: SourceSpan) {
         let message = matches!(
             callee,

@@ -193,8 +193,7 @@ fn undefined(
     )
 }
 
-/// Place of a name in a statement, as a whole word and not on its left side;
-/// the statement when it cannot be found.
+/// Place of a name in a statement, not on its left, or the statement's.
 fn occurrence(text: &str, span: SourceSpan, name: &str) -> SourceSpan {
     let statement = &text[span.range()];
     let word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';

@@ -24,9 +24,8 @@ use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{Function, Level, Module, Operand, Symbol};
 use std::ops::Range;
 
-/// A file with many sensor cases repeats their common part in each, and every
-/// function needs tables as long as the file has names; more work than this is
-/// refused.
+/// A file repeats the common part in each sensor case, and every function needs
+/// tables of all names; more work than this is refused.
 const LARGEST_REPETITION: u64 = 200_000_000;
 
 /// Outputs without which a file means nothing.
@@ -58,7 +57,6 @@ pub(super) struct Lowering<'a, 't> {
 }
 
 impl Lowering<'_, '_> {
-    /// Lowers all functions, as far as errors allow.
     pub(super) fn run(&mut self, blocks: &[FunctionBlock]) {
         for (index, block) in blocks.iter().enumerate() {
             let first = match block.head {
@@ -174,8 +172,7 @@ impl Lowering<'_, '_> {
         );
     }
 
-    /// `mbs_dirdyna` is `dirdyna`, as it was before MBsysC; a file without a
-    /// function is named after itself.
+    /// `mbs_dirdyna` is `dirdyna`; without a function the file's name counts.
     fn function_name(&self, block: &FunctionBlock) -> String {
         let name = match block.head {
             Some(head) => {
@@ -317,8 +314,7 @@ impl Lowering<'_, '_> {
         vec![true; storage.arrays.len()]
     }
 
-    /// True when there is room for more functions, each of which needs tables
-    /// as long as the file has names; an error otherwise.
+    /// True when there is room for more functions, else an error.
     fn afford(
         &mut self,
         functions: usize,
@@ -408,9 +404,8 @@ impl Lowering<'_, '_> {
         let has_equations = runs.any(|index| {
             matches!(self.syntax.statements[index].kind, StatementKind::Equation { first, end, .. } if first < end)
         });
-        // robovec's own files keep Robotran's signature even for a function
-        // that sets only some of the outputs; that nothing was lost, their
-        // closing comment tells.
+        // robovec's own files keep Robotran's signature even where some outputs
+        // are not set; their closing comment shows that nothing was lost.
         let ours = self.header.generator.as_deref();
         if !has_equations
             || ours.is_some_and(|name| name.starts_with("robovec "))

@@ -38,8 +38,7 @@ impl GivenNames {
             .is_some_and(|&defined| defined)
     }
 
-    /// The name of the next definition of a scalar: the symbol itself, then
-    /// derived ones.
+    /// Name of the next definition of a scalar: the symbol, then derived ones.
     pub(super) fn scalar(&mut self, symbol: Symbol) -> Name {
         match self.defined.get_mut(symbol.index()) {
             Some(defined) if !*defined => {

@@ -1,9 +1,8 @@
 //! Uses of the arrays of a function, found before it is lowered.
 //!
 //! Lowering must know beforehand which arrays become inputs and outputs, and
-//! which elements are read back or written again: only an element written
-//! once and never read back is a plain output, any other becomes a named
-//! value.
+//! which elements are read back or written again: an element written once and
+//! never read back is an output, any other a named value.
 
 use crate::explain::refusal;
 use crate::storage::{Initial, Storage};
@@ -30,9 +29,7 @@ pub(super) struct Scan {
     pub(super) written: Vec<bool>,
     /// Per array: it is an argument of a user function.
     pub(super) passed: Vec<bool>,
-    /// Number of equations.
     pub(super) equations: usize,
-    /// Number of their nodes.
     pub(super) nodes: usize,
     pub(super) errors: Vec<Diagnostic>,
 }
@@ -45,8 +42,7 @@ struct Scanner<'a> {
     awaited: Vec<bool>,
 }
 
-/// Scans the statements of a function. In a `part` of a function the calls
-/// may be in another part.
+/// Scans the statements of a function; calls of a `part` may be in another.
 pub(super) fn scan(
     syntax: &SyntaxTree,
     storage: &Storage,

@@ -5,9 +5,7 @@
 //! is a copy: `s.frc` is its own array that keeps its first values.
 
 mod aliases;
-mod initials;
 mod layout;
-mod refusals;
 mod uses;
 
 use super::Language;
@@ -66,15 +64,13 @@ pub(super) struct Storage {
     copies: Vec<(usize, RobotranName, RobotranName)>,
     /// Arrays that a statement of the prologue names.
     bound: HashMap<RobotranName, RobotranName, FxBuildHasher>,
-    /// The arrays of the structure that are used under its name (`s->q`), and
-    /// those that the prologue or a call gives.
+    /// Arrays of the structure used by its name (`s->q`), or set by a call.
     members: HashSet<Symbol, FxBuildHasher>,
     /// Pointers that are declared without an array, with the statement.
     pointers: HashMap<RobotranName, usize, FxBuildHasher>,
     given: HashSet<RobotranName, FxBuildHasher>,
-    /// The extents of the input arrays; several arrays may begin as the same
-    /// one (Matlab's `frc` and `s.frc`).
-    input_shapes: HashMap<Symbol, Shape, FxBuildHasher>,
+    /// The extents of the input arrays, of which several may be one.
+    pub(super) input_shapes: HashMap<Symbol, Shape, FxBuildHasher>,
     joined: bool,
 }
 
@@ -88,7 +84,6 @@ impl Storage {
         self.aliases.get(&name).copied().unwrap_or(name)
     }
 
-    /// The number of an array.
     pub(super) fn find(&self, name: RobotranName) -> Option<u32> {
         self.numbers.get(&self.canonical(name)).copied()
     }
@@ -104,11 +99,6 @@ impl Storage {
         let array = &self.arrays[self.array_of(slot)];
         let (indices, rank) = array.shape.indices(slot - array.offset);
         (array, indices, rank)
-    }
-
-    /// The extent of an input array.
-    pub(super) fn input_shape(&self, name: Symbol) -> Option<Shape> {
-        self.input_shapes.get(&name).copied()
     }
 
     fn number(&mut self, name: RobotranName, uses: &mut Vec<ArrayUse>) -> u32 {
@@ -155,8 +145,7 @@ struct ArrayUse {
 }
 
 impl StorageBuilder<'_> {
-    /// The storage, of use only without errors; these and the warnings are
-    /// left in the builder.
+    /// The storage, of use only without errors, which are left in the builder.
     pub(super) fn build(&mut self) -> Storage {
         let mut storage = Storage {
             joined: self.language != Language::Matlab,

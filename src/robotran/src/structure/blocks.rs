@@ -122,8 +122,7 @@ impl Cutter<'_> {
         }
     }
 
-    /// True outside functions, and in those that are cut into parts at loops
-    /// and conditions: Robotran closes the loops of a model in them.
+    /// True outside functions, and in those that are cut at loops.
     fn may_decide(&self) -> bool {
         if self.stack.is_empty() {
             return !self.syntax.heads.is_empty();

@@ -37,7 +37,6 @@ pub(super) struct StatementRun {
     pub(super) statements: Range<usize>,
 }
 
-/// A function of the file.
 #[derive(Clone, Debug)]
 pub(super) struct FunctionBlock {
     /// The entry of [`SyntaxTree::heads`]; `None` for a file without a head.
@@ -157,8 +156,7 @@ struct Cutter<'a> {
     /// A block whose `{` is to come, or its only statement.
     pending: Option<(BlockKind, SourceSpan)>,
     returned: bool,
-    /// The cases of the conditions closed by the statement before, to which an
-    /// `else` may belong.
+    /// Cases of the conditions just closed, to which an `else` may belong.
     chain: Option<Vec<u32>>,
     /// The cases of the conditions before the one whose block is open.
     earlier: Vec<u32>,

@@ -112,8 +112,7 @@ impl Cutter<'_> {
         }
     }
 
-    /// True where the block around a condition is an `else` that this case
-    /// does not reach.
+    /// True where a condition is in an `else` that this case does not reach.
     fn excluded(&self, place: Option<usize>, number: u32) -> bool {
         let around = place
             .and_then(|place| place.checked_sub(1))

@@ -6,16 +6,14 @@
 
 use super::{LARGEST_INDEX, TokenStream};
 use crate::Language;
-use crate::literal::Literal;
+use crate::literal::{self, Literal};
 use crate::preprocessor::Expansion;
 use crate::raw::{Raw, Surface};
-use crate::token::LexicalError;
-use crate::token::{RobotranElement, RobotranName, RobotranToken, SourceSpan};
+use crate::token::{LexicalError, RobotranElement, RobotranName, RobotranToken, SourceSpan};
 use robovec_ir::Operation;
 
 impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
-    /// The token of a member without index: a function of Python's modules, or
-    /// a name.
+    /// The token of a member without index: a name, or a function of Python.
     pub(super) fn member(&mut self, text: &str) -> Result<RobotranToken, LexicalError> {
         let (structure, name) = split_member(text);
         self.refuse_macros([structure, name])?;
@@ -27,8 +25,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         Ok(RobotranToken::Name(self.member_name(structure, name)))
     }
 
-    /// Refuses a member whose structure or name is a macro: C would replace it,
-    /// this reader replaces whole words only.
+    /// Refuses a member whose structure or name is a macro.
     fn refuse_macros(&self, words: [&str; 2]) -> Result<(), LexicalError> {
         if words.iter().any(|word| self.preprocessor.defines(word)) {
             return Err(self.refusal((
@@ -92,8 +89,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         }))
     }
 
-    /// The name of the array that a word before an index means once macros are
-    /// replaced.
+    /// The array that a word before an index means once macros are replaced.
     fn expanded_name(&mut self, word: &str) -> Result<RobotranName, LexicalError> {
         let expansion = self.preprocessor.expand(word);
         match expansion.map_err(|reason| self.refusal(reason))? {
@@ -113,8 +109,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
 
     /// The tokens of Matlab's `sin(2)`, one lexeme that looks like an element:
     /// returns the first and leaves the others pending. `pending` is a stack,
-    /// so that they are pushed from the last to the first; `end - 1` is the
-    /// place of the closing parenthesis.
+    /// pushed from the last; `end - 1` is the place of the closing parenthesis.
     fn function_of_integer(&mut self, function: Operation, argument: u32) -> RobotranToken {
         let SourceSpan { start, end } = self.span();
         self.pending.push((end - 1, RobotranToken::Close, end));
@@ -195,5 +190,38 @@ pub(super) fn function_named(word: &str) -> Option<Operation> {
         "cos" => Some(Operation::Cos),
         "sqrt" => Some(Operation::Sqrt),
         _ => None,
+    }
+}
+
+impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
+    /// A minus; but `(-2.0)` is a negative number, where `-(2.0)`, as Robotran
+    /// writes it, is the operation on a positive one.
+    pub(super) fn minus(&mut self) -> Result<RobotranToken, LexicalError> {
+        if !matches!(self.recent[0], Some((_, RobotranToken::Open, _))) {
+            return Ok(RobotranToken::Minus);
+        }
+        let mut ahead = self.lexer.clone();
+        let mut next = || ahead.next().map(|raw| raw.map(Surface::raw));
+        if !matches!(next(), Some(Ok(Raw::Number | Raw::Numeral))) || next() != Some(Ok(Raw::Close))
+        {
+            return Ok(RobotranToken::Minus);
+        }
+        self.lexer.next();
+        let number = self.number()?;
+        let negative = number.negative().map_err(|error| self.unkept(error))?;
+        // A 64-bit float is left to here.
+        Ok(RobotranToken::Number(
+            negative.unwrap_or_else(|| Literal::Double(-number.number())),
+        ))
+    }
+
+    pub(super) fn number(&self) -> Result<Literal, LexicalError> {
+        let text = self.lexer.slice();
+        let number = match self.language {
+            Language::C => literal::c(text),
+            Language::Matlab => literal::matlab(text),
+            Language::Python => literal::python(text),
+        };
+        number.map_err(|error| self.unkept(error))
     }
 }

@@ -3,9 +3,8 @@
 //! Nearly all of a file are equations of names, elements and numbers, sums,
 //! products, minuses, parentheses and functions of one number. These are read
 //! here, with two stacks and one branch per lexeme, in a fraction of the time
-//! that the tables of the grammar need. Other statements, and all faulty ones,
-//! are left to the grammar, from the statement's start: the grammar alone
-//! defines the language and its messages.
+//! that the tables of the grammar need. All other statements are left to the
+//! grammar, from their start: it alone defines the language and its messages.
 //!
 //! **Invariant.** This code reads equations exactly as `grammar.lalrpop` does:
 //! the same calls of the builder in the same order.
@@ -19,8 +18,7 @@ use crate::token::LexicalError;
 use crate::token::{RobotranToken, SourceSpan};
 use robovec_ir::Operation;
 
-/// An operator whose right operand is still being read, or a parenthesis that
-/// is still open.
+/// An operator whose right operand is being read, or an open parenthesis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum OpenOperator {
     /// An operation on two operands.
@@ -48,8 +46,7 @@ impl OpenOperator {
     }
 }
 
-/// Operands and operators of the expression that is being read; one
-/// allocation serves all.
+/// Operands and operators of the expression being read, allocated once.
 #[derive(Default, Debug)]
 pub(crate) struct ExpressionStacks {
     operands: Vec<SyntaxLeaf>,
@@ -66,8 +63,7 @@ impl From<LexicalError> for NotPlain {
 }
 
 impl ExpressionStacks {
-    /// Applies the pending operators that bind more tightly than one of this
-    /// strength.
+    /// Applies the pending operators that bind more tightly than this one.
     fn apply(&mut self, builder: &mut SyntaxBuilder, strength: u8) -> Result<(), NotPlain> {
         // Places matter in messages only, and these are the grammar's.
         const PLACE: u32 = 0;
@@ -146,8 +142,7 @@ impl ExpressionStacks {
 }
 
 impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
-    /// Reads the next statement if it is a plain equation; otherwise false,
-    /// with nothing changed.
+    /// Reads the next statement if it is a plain equation, else nothing.
     pub(crate) fn plain_equation(
         &mut self,
         builder: &mut SyntaxBuilder,
@@ -204,8 +199,7 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         Ok(())
     }
 
-    /// Reads an expression onto the stacks, up to the end of the statement;
-    /// returns where its last lexeme ends.
+    /// Reads an expression onto the stacks; returns where its last lexeme ends.
     fn right_side(
         &mut self,
         builder: &mut SyntaxBuilder,
@@ -258,9 +252,8 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         }
     }
 
-    /// Reads the part after an operand: closing parentheses and the next
-    /// operator, or the end of the statement; then returns the end of the
-    /// previous lexeme.
+    /// Reads the part after an operand: closing parentheses and an operator, or
+    /// the statement's end; then returns the end of the previous lexeme.
     fn operator(
         &mut self,
         builder: &mut SyntaxBuilder,
@@ -285,7 +278,6 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         }
     }
 
-    /// The next lexeme.
     #[inline]
     fn lexeme(&mut self) -> Result<Raw, NotPlain> {
         match self.lexer.next() {
@@ -294,8 +286,7 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         }
     }
 
-    /// The next lexeme of an expression: in Python its lines end only where
-    /// its parentheses are closed.
+    /// The next lexeme; Python's lines end only where parentheses are closed.
     #[inline]
     fn lexeme_within(&mut self, stacks: &ExpressionStacks) -> Result<Raw, NotPlain> {
         let mut raw = self.lexeme()?;
@@ -305,8 +296,7 @@ impl<'s, L: Surface<'s>> TokenStream<'s, '_, L> {
         Ok(raw)
     }
 
-    /// The operand of a lexeme that can only be a name, as nearly all are: the
-    /// result of [`Self::leaf`], without a token.
+    /// The operand of a lexeme that can only be a name, without a token.
     #[inline]
     fn name(&mut self, raw: Raw) -> Option<SyntaxLeaf> {
         let word = self.lexer.slice();

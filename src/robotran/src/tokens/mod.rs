@@ -1,21 +1,19 @@
 //! From lexemes to the tokens of the grammar.
 //!
 //! Handles the awkward parts of a grammar: keywords that only one language has,
-//! line ends that may end a statement, conditions (never computed by a
-//! straight-line function, so they are kept as text), and words that the
-//! preprocessor replaces.
+//! line ends that may end a statement, conditions (never computed, so kept as
+//! text), and words that the preprocessor replaces.
 
 mod elements;
 mod equations;
-mod numbers;
-mod refusals;
 mod words;
 
 pub(super) use self::equations::ExpressionStacks;
-use super::Language;
 use super::preprocessor::Preprocessor;
 use super::raw::{Raw, Surface};
 use super::token::{LexicalError, RobotranToken, SourceSpan};
+
+use crate::{Language, literal};
 use logos::Lexer;
 use robovec_ir::Symbols;
 
@@ -25,8 +23,7 @@ pub(super) const LARGEST_INDEX: u32 = 1_000_000;
 /// A token between its first byte and the byte after it.
 pub(super) type SpannedToken = (u32, RobotranToken, u32);
 
-/// Source of a parser of tokens, and its memory for the explanation of an
-/// error.
+/// Source of a parser of tokens, and its memory to explain an error.
 pub(super) trait TokenSource: Iterator<Item = Result<SpannedToken, LexicalError>> {
     /// The last token and the one before it.
     fn recent(&self) -> [Option<SpannedToken>; 2];
@@ -34,7 +31,6 @@ pub(super) trait TokenSource: Iterator<Item = Result<SpannedToken, LexicalError>
     fn skip_statement(&mut self);
 }
 
-/// The tokens of a text.
 pub(super) struct TokenStream<'s, 't, L: Surface<'s>> {
     lexer: Lexer<'s, L>,
     language: Language,
@@ -193,8 +189,7 @@ impl<'s, L: Surface<'s>> Iterator for TokenStream<'s, '_, L> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let item = self.step()?;
-        // A lexeme that is no token stands for one, so that the statement it
-        // is part of is known to have begun.
+        // A lexeme that is no token is one here: the statement has begun.
         let token = match &item {
             Ok(token) => *token,
             Err(error) => (error.span.start, RobotranToken::Other, error.span.end),
@@ -230,5 +225,52 @@ impl<'s, L: Surface<'s>> TokenSource for TokenStream<'s, '_, L> {
                 Ok(_) | Err(_) => {}
             }
         }
+    }
+}
+
+impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
+    fn unreadable(&mut self, span: SourceSpan) -> LexicalError {
+        let text = &self.lexer.source()[span.range()];
+        let (message, note) = if self.language == Language::C && text.starts_with("//") {
+            (
+                "a comment that ends with `??/`",
+                "some compilers take it for a line joined to the next one; remove it",
+            )
+        } else if self.language == Language::C && text.starts_with('\\') {
+            (
+                "a line is joined to the next one within a word",
+                "write the word on one line",
+            )
+        } else if self.language == Language::C && text.starts_with(['#', '%']) {
+            (
+                "this line of the preprocessor is not understood",
+                "its `#` must be the first character of a line, and its comments must be closed",
+            )
+        } else if text.starts_with("/*") || text.starts_with("%{") {
+            self.lexer.bump(self.lexer.remainder().len());
+            (
+                "this comment is never closed",
+                "close it, or check that the file is complete",
+            )
+        } else if text.starts_with(['"', '\'']) {
+            (
+                "this text is never closed",
+                "close it on the same line, or check that the file is complete",
+            )
+        } else {
+            (
+                "this character has no meaning here",
+                "outside comments Robotran writes ASCII only; check the encoding of the file",
+            )
+        };
+        LexicalError::new(span, message, note)
+    }
+
+    fn unkept(&self, literal::Unkept { message, note }: literal::Unkept) -> LexicalError {
+        self.refusal((message, note))
+    }
+
+    fn refusal(&self, (message, note): (&'static str, &'static str)) -> LexicalError {
+        LexicalError::new(self.span(), message, note)
     }
 }

@@ -42,9 +42,8 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
         RobotranName::local(self.symbols.intern(word))
     }
 
-    /// The token of a reserved word, or the error of the construct it begins;
-    /// `None` for any other word, and `Some(Ok(None))` for a word without
-    /// meaning.
+    /// The token of a reserved word, or the error of its construct; `None` for
+    /// any other word, and `Some(Ok(None))` for one without meaning.
     fn keyword(&mut self, word: &str) -> Option<Result<Option<RobotranToken>, LexicalError>> {
         let language = self.language;
         if let Some(function) = function_named(word) {
@@ -172,8 +171,7 @@ impl<'s, 't, L: Surface<'s>> TokenStream<'s, 't, L> {
     }
 }
 
-/// True for a word that may be a keyword or a type: hardly any name of
-/// Robotran's starts like these.
+/// True for a word that may be a keyword or a type, unlike most names.
 #[inline]
 pub(super) fn starts_as_keyword(word: &str) -> bool {
     match word.as_bytes() {

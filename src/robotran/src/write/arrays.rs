@@ -1,14 +1,13 @@
 //! The arrays of a file: where each lives, and how its elements are written.
 
 use super::error::RobotranWriteError;
-use super::kind::EquationKind;
+use super::file::EquationKind;
 use super::names::is_array_name;
 use crate::Language;
 use hashbrown::HashMap;
 use robovec_ir::{Array, Function, Input, OperandKind, Shape, Symbol, Symbols};
 use rustc_hash::FxBuildHasher;
 
-/// Role of an array in the function that is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum ArrayRole {
     /// A parameter of the signature, or a return value of Matlab.
@@ -31,8 +30,7 @@ pub(super) struct FileArray {
     pub(super) role: ArrayRole,
     pub(super) is_input: bool,
     pub(super) is_output: bool,
-    /// The largest indices of its elements that are read or written; zeros
-    /// when none is.
+    /// Largest indices of its elements that are read or written; else zeros.
     pub(super) largest: (u32, u32),
 }
 
@@ -45,7 +43,6 @@ pub(super) struct FileArrays {
 }
 
 impl FileArrays {
-    /// Collects the arrays of a file.
     pub(super) fn new(
         functions: &[&Function],
         kind: EquationKind,
@@ -138,8 +135,7 @@ fn larger(a: Shape, b: Shape) -> Shape {
 
 impl FileArray {
     /// Text of an input element, before the indices. Matlab reads all arrays
-    /// except the coordinates from the structure, where each keeps its initial
-    /// value.
+    /// but the coordinates from the structure, where each keeps its value.
     pub(super) fn input_text(&self, language: Language) -> String {
         let own = matches!(self.role, ArrayRole::Argument | ArrayRole::Result);
         let name = &self.name;
@@ -163,8 +159,7 @@ impl FileArray {
         }
     }
 
-    /// True for a member of the data structure that the function begins by
-    /// giving its own name.
+    /// True for a member of the data structure that gets its own name first.
     pub(super) fn has_alias(&self, language: Language) -> bool {
         let coordinates = matches!(self.name.as_str(), "q" | "qd" | "qdd");
         self.role == ArrayRole::Data

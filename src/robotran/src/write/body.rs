@@ -1,13 +1,12 @@
 //! The statements of a file.
 
 use super::arrays::ArrayRole;
-use super::calls;
-use super::common::common_prefix;
 use super::error::RobotranWriteError;
 use super::expression::PrinterSource;
 use super::file::RobotranFile;
+use super::function_text::common_prefix;
 use super::function_text::{BodySection, FunctionText};
-use super::plan::WrittenStatement;
+use super::plan::{WrittenStatement, call_statement};
 use crate::Language;
 use robovec_ir::{Assignment, Boundary, Function, Output, Shape, Symbol, Value};
 
@@ -80,8 +79,7 @@ impl RobotranFile<'_> {
         )
     }
 
-    /// The statements of a function with nodes in a range; its outputs and
-    /// calls are at the end of it.
+    /// The statements of a function with nodes in a range, outputs at its end.
     fn function(
         &self,
         body: &mut FunctionText,
@@ -166,7 +164,7 @@ impl RobotranFile<'_> {
         function: &Function,
         call: &Boundary,
     ) -> Result<(), RobotranWriteError> {
-        let statement = calls::statement(function, call, self.language)?;
+        let statement = call_statement(function, call, self.language)?;
         self.title(body, BodySection::Main);
         if let Some(result) = &call.result {
             let known = self.arrays.find(result);
@@ -229,8 +227,7 @@ impl RobotranFile<'_> {
         body.text.end();
     }
 
-    /// True for a number handed to a user function under the name that its
-    /// temporary has anyhow.
+    /// True for a number handed to a user function under its temporary's name.
     fn is_its_own(&self, function: &Function, name: Symbol, assignment: &Assignment) -> bool {
         assignment.operand.value().is_some_and(|value| {
             let own = function.node(value).name;

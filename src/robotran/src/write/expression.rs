@@ -1,10 +1,9 @@
 //! Printer of expressions; reading its text gives the same tree.
 //!
-//! The grammar of Robotran's files, which is also how the three languages
-//! read them: sums and products associate to the left, and a leading minus
-//! takes in the whole first product (`-a*b` is the negated product; the sign
-//! does not change how a product is rounded). Everything else needs its
-//! parentheses: `a-(b+c)`, `a*(b*c)`, `(-a)*b`.
+//! The grammar of Robotran's files, which is also how the three languages read
+//! them: sums and products associate to the left, and a leading minus takes in
+//! the whole first product (`-a*b` is the negated product, rounded alike). All
+//! else needs parentheses: `a-(b+c)`, `a*(b*c)`, `(-a)*b`.
 
 use super::names::FileIdentifiers;
 use super::text::FileText;
@@ -44,8 +43,7 @@ pub(super) struct Printer {
 }
 
 impl Printer {
-    /// Number of operations printed so far, in Robotran's count: with signs and
-    /// trigonometry.
+    /// Operations printed so far as Robotran counts: signs and sines included.
     pub(super) fn count(&self) -> usize {
         self.count
     }

@@ -1,23 +1,31 @@
 //! A file: header comments, prologue, statements, end.
+//!
+//! Robotran's files do not declare their arrays: the reader knows those by
+//! joint and infers others from the largest index. Any other extent is in a
+//! line of the header, which Robotran ignores.
+//!
+//! C files are those of [`robovec_cgen::kind`], Matlab files those of generator
+//! 6.6, the only one that writes Matlab. Where Robotran has no such file in a
+//! language (`accelred` in Matlab and Python) the signature is the natural
+//! counterpart.
 
-use super::arrays::FileArrays;
+use super::arrays::{ArrayRole, FileArrays};
 use super::error::RobotranWriteError;
 use super::function_text::FunctionText;
-use super::identifiers::{identifiers, kept};
-use super::kind::EquationKind;
-use super::names::FileIdentifiers;
+use super::names::{FileIdentifiers, identifiers, kept};
 use super::plan::{WrittenStatement, plan};
 use super::prologue::Prologue;
 use super::text::{FileText, comment_mark};
-use super::{Member, WriteOptions, extents};
+use super::{Member, WriteOptions};
 use crate::Language;
-use hashbrown::HashMap;
+use crate::conventions::least_extent;
+use hashbrown::{HashMap, HashSet};
 use robovec_cgen::c::SignatureError;
 use robovec_cgen::kind::{Generation, file_stem};
 use robovec_ir::{Function, Input, Module, Shape, Symbols};
 use rustc_hash::FxBuildHasher;
+use std::fmt::Write;
 
-/// The functions of one file.
 pub(super) struct RobotranFile<'a> {
     pub(super) kind: EquationKind,
     pub(super) language: Language,
@@ -166,7 +174,7 @@ impl<'a> RobotranFile<'a> {
         };
         text.comment(&format!("\t==> Function : {number}{}", self.kind.title));
         text.comment(&format!("\t==> Flops complexity : {flops}"));
-        let extents = extents::line(&self.functions, &self.arrays, self.joints.unwrap_or(0));
+        let extents = line(&self.functions, &self.arrays, self.joints.unwrap_or(0));
         if let Some(extents) = extents {
             text.comment(&format!("\t==> Array extents : {extents}"));
         }
@@ -183,8 +191,7 @@ fn own_mark(text: &mut FileText) {
     ));
 }
 
-/// The header's number of joints, else the length of an array with one element
-/// per joint.
+/// The header's number of joints, else the length of an array by joint.
 fn joints(function: &Function, arrays: &FileArrays) -> Option<u32> {
     let said = function
         .metadata("joints")
@@ -198,4 +205,50 @@ fn joints(function: &Function, arrays: &FileArrays) -> Option<u32> {
         Shape::Vector(length) => Some(length),
         Shape::Scalar | Shape::Matrix(..) => None,
     })
+}
+
+/// The entry of the header, `dpt(3,12) h(4)`; `None` when no entry is needed.
+pub(super) fn line(functions: &[&Function], arrays: &FileArrays, joints: u32) -> Option<String> {
+    let forces = forces(functions);
+    let mut line = String::new();
+    for array in arrays.all.iter().filter(|array| array.is_used()) {
+        let (rows, columns) = array.largest;
+        let (known_rows, known_columns) = least_extent(&array.name, joints);
+        let force = array.role == ArrayRole::Result && forces.contains(array.name.as_str());
+        let nine = if force { 9 } else { 0 };
+        let rows = rows.max(known_rows).max(nine).max(1);
+        let columns = columns.max(known_columns).max(1);
+        // Writing to a string cannot fail.
+        let _ = match array.shape {
+            Shape::Vector(length) if length != rows => write!(line, " {}({length})", array.name),
+            Shape::Matrix(m, n) if (m, n) != (rows, columns) => {
+                write!(line, " {}({m},{n})", array.name)
+            }
+            Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) => Ok(()),
+        };
+    }
+    (!line.is_empty()).then(|| line.trim_start().to_owned())
+}
+
+/// The results of external forces, which have nine numbers.
+fn forces<'a>(functions: &[&'a Function]) -> HashSet<&'a str, FxBuildHasher> {
+    let calls = functions.iter().flat_map(|function| &function.boundaries);
+    let external = calls.filter(|call| {
+        matches!(
+            call.callee.as_str(),
+            "user_ExtForces" | "user_call_ExtForces" | "usrfun.fext"
+        )
+    });
+    external.filter_map(|call| call.result.as_deref()).collect()
+}
+
+pub(super) use robovec_cgen::kind::EquationKind;
+
+/// Name of the function of a kind in Matlab or Python; C's have a prefix.
+pub(super) fn function_name(kind: EquationKind, language: Language) -> String {
+    match (language, kind.name) {
+        // MBsysPy finds a `sensor` in both modules.
+        (Language::Python, "gensensor") => "sensor".to_owned(),
+        (_, name) => name.to_owned(),
+    }
 }

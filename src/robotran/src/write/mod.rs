@@ -1,9 +1,8 @@
 //! The writer of Robotran's files: the inverse of the reader.
 //!
-//! A module becomes the files Robotran itself would have written for it, with
-//! the same names and signatures, so that they replace Robotran's in a project
-//! of MBsysC, MBsysLab or MBsysPy; and reading them gives the functions back,
-//! node by node.
+//! A module becomes the files of Robotran, with the same names and signatures,
+//! so that they replace Robotran's in a project of MBsysC, MBsysLab or MBsysPy;
+//! reading them gives the functions back, node by node.
 //!
 //! **Omissions.** Only the elements that the function sets are set, as in
 //! Robotran's files. Elements of `M` and `Jac` that are zero in all states keep
@@ -25,15 +24,10 @@
 
 mod arrays;
 mod body;
-mod calls;
-mod common;
 mod error;
 mod expression;
-mod extents;
 mod file;
 mod function_text;
-mod identifiers;
-mod kind;
 mod names;
 mod plan;
 mod prologue;
@@ -42,17 +36,16 @@ mod text;
 pub use error::RobotranWriteError;
 
 use super::Language;
+use file::EquationKind;
 use file::RobotranFile;
 use hashbrown::HashMap;
-use kind::EquationKind;
 use robovec_ir::{Function, Module};
 use rustc_hash::FxBuildHasher;
 
 /// Options of the writer.
 #[derive(Clone, Default, Debug)]
 pub struct WriteOptions {
-    /// The model's name, for file names and headers; by default that in the
-    /// functions' metadata, else `model`.
+    /// Name of the model for files and headers; else the metadata's or `model`.
     pub model: Option<String>,
     /// Set also the elements of outputs that the function leaves alone, to 0.
     /// Reading such a file gives a function with more outputs.
@@ -111,8 +104,7 @@ pub fn write(
     Ok(files)
 }
 
-/// File of a function: by its metadata about the file it came from, else by its
-/// name.
+/// File of a function: by metadata of the file it came from, else by its name.
 fn place(function: &Function) -> Result<Member<'_>, RobotranWriteError> {
     if function.metadata("part").is_some() {
         return Err(RobotranWriteError::Part {

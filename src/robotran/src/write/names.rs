@@ -1,134 +1,31 @@
 //! Identifiers that all three languages, and Robotran's conventions, accept.
 //!
 //! Every name is made valid in all languages, so that the same function has the
-//! same names in each of them. A name of Robotran's is unchanged; a name made
-//! by a pass (`OM16.1`) becomes `OM16_1`. A name that is taken gets a number
-//! appended.
+//! same names in each of them. Robotran's are unchanged; one made by a pass
+//! (`OM16.1`) becomes `OM16_1`. A taken name gets a number appended.
 
+use super::arrays::{ArrayRole, FileArrays};
+use super::plan::WrittenStatement;
 use hashbrown::{HashMap, HashSet};
-use robovec_ir::{Name, Symbols};
+use robovec_ir::{Function, Input, Name, Shape, Symbol, Symbols};
 use rustc_hash::FxBuildHasher;
 
-/// Words that one of the languages, the reader or Robotran's run-time keeps
-/// for itself.
-const KEYWORDS: [&str; 113] = [
+/// Words that the languages, the reader or Robotran keep, blanks between.
+const KEYWORDS: [&str; 4] = [
     // C, and macros of its mathematics header.
-    "auto",
-    "break",
-    "case",
-    "char",
-    "const",
-    "continue",
-    "default",
-    "do",
-    "double",
-    "else",
-    "enum",
-    "extern",
-    "float",
-    "for",
-    "goto",
-    "if",
-    "inline",
-    "int",
-    "long",
-    "register",
-    "restrict",
-    "return",
-    "short",
-    "signed",
-    "sizeof",
-    "static",
-    "struct",
-    "switch",
-    "typedef",
-    "union",
-    "unsigned",
-    "void",
-    "volatile",
-    "while",
-    "asm",
-    "typeof",
-    "bool",
-    "main",
-    "NULL",
-    "INFINITY",
-    "NAN",
-    "HUGE_VAL",
-    "OVERFLOW",
-    "UNDERFLOW",
-    "DOMAIN",
-    "SING",
-    "PLOSS",
-    "TLOSS",
-    "errno",
-    "PI",
+    "auto break case char const continue default do double else enum extern float for goto if \
+     inline int long register restrict return short signed sizeof static struct switch \
+     typedef union unsigned void volatile while asm typeof bool main NULL INFINITY NAN \
+     HUGE_VAL OVERFLOW UNDERFLOW DOMAIN SING PLOSS TLOSS errno PI",
     // Matlab.
-    "catch",
-    "classdef",
-    "elseif",
-    "end",
-    "endfunction",
-    "endif",
-    "endswitch",
-    "endwhile",
-    "function",
-    "global",
-    "otherwise",
-    "parfor",
-    "persistent",
-    "spmd",
-    "try",
-    "zeros",
-    "ones",
+    "catch classdef elseif end endfunction endif endswitch endwhile function global otherwise \
+     parfor persistent spmd try zeros ones",
     // Python.
-    "False",
-    "None",
-    "True",
-    "and",
-    "as",
-    "assert",
-    "async",
-    "await",
-    "class",
-    "def",
-    "del",
-    "elif",
-    "except",
-    "finally",
-    "from",
-    "import",
-    "in",
-    "is",
-    "lambda",
-    "nonlocal",
-    "not",
-    "or",
-    "pass",
-    "raise",
-    "with",
-    "yield",
-    "np",
-    "numpy",
-    "math",
-    "print",
+    "False None True and as assert async await class def del elif except finally from import \
+     in is lambda nonlocal not or pass raise with yield np numpy math print",
     // Functions and structures.
-    "sin",
-    "cos",
-    "sqrt",
-    "s",
-    "tsim",
-    "isens",
-    "sens",
-    "usrfun",
-    "phi",
-    "mbs",
-    "mbs_data",
-    "MbsData",
-    "MbsSensor",
-    "MBSdataStruct",
-    "MBSsensorStruct",
-    "flag_stop",
+    "sin cos sqrt s tsim isens sens usrfun phi mbs mbs_data MbsData MbsSensor MBSdataStruct \
+     MBSsensorStruct flag_stop",
 ];
 
 /// Arrays of Robotran's: a bare name among these means the whole array.
@@ -137,8 +34,11 @@ const ARRAYS: [&str; 22] = [
     "Jdqd", "lrod", "Z", "Zd", "Flink", "Flnk",
 ];
 
-/// True for a word that begins with a letter and continues with letters, digits
-/// and underscores.
+fn keywords() -> impl Iterator<Item = &'static str> {
+    KEYWORDS.iter().flat_map(|words| words.split(' '))
+}
+
+/// True for a letter that letters, digits and underscores may follow.
 pub(super) fn is_word(text: &str) -> bool {
     text.starts_with(|first: char| first.is_ascii_alphabetic())
         && text
@@ -148,7 +48,7 @@ pub(super) fn is_word(text: &str) -> bool {
 
 /// True for a name an array can have in every language.
 pub(super) fn is_array_name(text: &str) -> bool {
-    is_word(text) && !KEYWORDS.contains(&text)
+    is_word(text) && !keywords().any(|word| word == text)
 }
 
 #[derive(Debug)]
@@ -168,7 +68,7 @@ impl FileIdentifiers {
         FileIdentifiers {
             plain: Vec::new(),
             made: HashMap::default(),
-            taken: (KEYWORDS.iter().chain(&ARRAYS).map(|&word| word.into())).collect(),
+            taken: keywords().chain(ARRAYS).map(Box::from).collect(),
             numbers: HashMap::default(),
         }
     }
@@ -250,7 +150,6 @@ impl FileIdentifiers {
         name.suffix == 0 && self.plain.get(name.base.index()) == Some(&true)
     }
 
-    /// The identifier of a value's name.
     pub(super) fn text<'a>(&'a self, name: Name, symbols: &'a Symbols) -> &'a str {
         if self.is_plain(name) {
             return symbols.text(name.base);
@@ -263,6 +162,71 @@ impl FileIdentifiers {
 fn push_number(text: &mut String, number: u32) {
     text.push('_');
     text.push_str(&number.to_string());
+}
+
+/// Gives every value of the file its identifier.
+pub(super) fn identifiers(
+    functions: &[&Function],
+    symbols: &Symbols,
+    arrays: &FileArrays,
+) -> FileIdentifiers {
+    let mut names = FileIdentifiers::new();
+    let own = own_arguments(functions[0]);
+    for array in &arrays.all {
+        let scalar = array.shape == Shape::Scalar && array.role == ArrayRole::Argument;
+        let own = symbols
+            .find(&array.name)
+            .is_some_and(|name| own.contains(&name));
+        if !(scalar && own) {
+            names.reserve(&array.name);
+        }
+    }
+    for function in functions {
+        for call in &function.boundaries {
+            let words = call.arguments.iter().chain(&call.result);
+            for word in words.filter(|word| is_word(word) && arrays.find(word).is_none()) {
+                names.reserve(word);
+            }
+        }
+    }
+    for function in functions {
+        names.keep(function.nodes().iter().map(|node| node.name), symbols);
+    }
+    for function in functions {
+        names.derive(function.nodes().iter().map(|node| node.name), symbols);
+    }
+    names
+}
+
+/// The numbers handed to user functions whose temporaries have their names.
+fn own_arguments(function: &Function) -> HashSet<Symbol, FxBuildHasher> {
+    let own = function.assignments.iter().filter_map(|assignment| {
+        let (array, _, rank) = function.output_element(assignment.output);
+        let name = function.node(assignment.operand.value()?).name;
+        (rank == 0 && name == Name::plain(array.name)).then_some(array.name)
+    });
+    own.collect()
+}
+
+/// A temporary for every input element that must be kept.
+pub(super) fn kept(
+    function: &Function,
+    plan: &[WrittenStatement],
+    names: &mut FileIdentifiers,
+    symbols: &Symbols,
+) -> HashMap<Input, Box<str>, FxBuildHasher> {
+    let mut kept = HashMap::default();
+    for statement in plan {
+        if let WrittenStatement::Keep(input) = *statement {
+            let (array, indices, rank) = function.input_element(input);
+            let mut wanted = symbols.text(array.name).to_owned();
+            for index in &indices[..rank] {
+                wanted.push_str(&format!("_{index}"));
+            }
+            kept.insert(input, names.fresh(&wanted, 0, symbols));
+        }
+    }
+    kept
 }
 
 #[cfg(test)]

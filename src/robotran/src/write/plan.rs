@@ -3,16 +3,16 @@
 //! Definitions keep their order, so that reading the file gives the nodes in
 //! the order they had. A call of a user function is before the first definition
 //! that reads its result, and after the values that fill its arguments; outputs
-//! are at the end. Where an output overwrites an element that a later output
-//! still reads (`frc` is given and given back under one name), the given number
-//! is kept in a temporary first.
+//! are at the end. An element that an output overwrites and a later one reads
+//! (`frc` comes and goes under one name) is kept in a temporary first.
 
 use super::error::RobotranWriteError;
+use super::names::is_word;
+use crate::Language;
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::{Array, Boundary, Function, Input, Operand, OperandKind, Symbol, Symbols, Value};
 use rustc_hash::FxBuildHasher;
 
-/// A statement of a function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum WrittenStatement {
     /// Defines the temporary of a named value.
@@ -105,8 +105,7 @@ impl<'a> Calls<'a> {
         }
     }
 
-    /// One more than the last call whose result an operand needs, `before`
-    /// for those values that come before it.
+    /// One more than the last call whose result an operand needs, or `before`.
     fn stage(&self, operand: Operand, before: &[u32]) -> u32 {
         match operand.kind() {
             OperandKind::Value(value) => before[value.index()],
@@ -136,8 +135,7 @@ impl<'a> Calls<'a> {
         statements.push(WrittenStatement::Call(call));
     }
 
-    /// The definitions in program order, every call as late as possible;
-    /// `None` when one comes too early for its arguments.
+    /// The definitions in program order, every call as late as possible.
     fn in_program_order(&self) -> Option<Vec<WrittenStatement>> {
         let mut statements = Vec::with_capacity(self.function.nodes().len());
         if self.function.boundaries.is_empty() {
@@ -207,8 +205,7 @@ impl<'a> Calls<'a> {
             .collect()
     }
 
-    /// The definitions in one run per call and one more: before each call all
-    /// that needs no later one.
+    /// The definitions in one run per call and one more, as early as needed.
     fn in_stages(&self) -> Result<Vec<WrittenStatement>, RobotranWriteError> {
         let stages = self.stages();
         let mut statements = Vec::with_capacity(self.function.nodes().len());
@@ -238,8 +235,7 @@ impl<'a> Calls<'a> {
     }
 }
 
-/// The input elements that an output overwrites while a later output still
-/// reads them, in order of being read.
+/// Input elements that an output overwrites while a later one reads them.
 fn overwritten(function: &Function, passed: &[Option<usize>]) -> Vec<Input> {
     let given: HashMap<Symbol, Array, FxBuildHasher> = function
         .inputs()
@@ -284,4 +280,56 @@ fn overwritten(function: &Function, passed: &[Option<usize>]) -> Vec<Input> {
         written.extend(place);
     }
     kept
+}
+
+/// The user function of a call by language: C's `user_ExtForces` is Matlab's
+/// `usrfun.fext` and Python's `s.user_ExtForces`.
+pub(super) fn callee(call: &Boundary, language: Language) -> Option<String> {
+    let name = match call.callee.strip_prefix("usrfun.") {
+        Some("fext") => "user_ExtForces".to_owned(),
+        Some("flink") => "user_LinkForces".to_owned(),
+        Some(other) if other.starts_with("user_") => other.to_owned(),
+        Some(other) => format!("user_{other}"),
+        None => call.callee.clone(),
+    };
+    let bare = name.strip_prefix("user_").filter(|bare| !bare.is_empty());
+    if bare.is_none() || !is_word(&name) {
+        return None;
+    }
+    // The C of the reduced accelerations calls through `user_call_…`.
+    let plain = name.replacen("user_call_", "user_", 1);
+    Some(match (language, plain.as_str()) {
+        (Language::C, _) => name,
+        (Language::Matlab, "user_ExtForces") => "usrfun.fext".to_owned(),
+        (Language::Matlab, "user_LinkForces") => "usrfun.flink".to_owned(),
+        (Language::Matlab, _) => format!("usrfun.{plain}"),
+        (Language::Python, _) => format!("s.{plain}"),
+    })
+}
+
+/// The statement of a call, without its end.
+pub(super) fn call_statement(
+    function: &Function,
+    call: &Boundary,
+    language: Language,
+) -> Result<String, RobotranWriteError> {
+    let refuse = || RobotranWriteError::Call {
+        function: function.name.clone(),
+        callee: call.callee.clone(),
+    };
+    let callee = callee(call, language).ok_or_else(refuse)?;
+    let mut arguments = Vec::new();
+    for argument in &call.arguments {
+        let number = !argument.is_empty() && argument.bytes().all(|byte| byte.is_ascii_digit());
+        if !is_word(argument) && !number {
+            return Err(refuse());
+        }
+        arguments.push(argument.as_str());
+    }
+    let result = match &call.result {
+        Some(result) if !is_word(result) => return Err(refuse()),
+        Some(result) => format!("{result} = "),
+        None => String::new(),
+    };
+    Ok(format!("{result}{callee}({})", arguments.join(",")))
 }

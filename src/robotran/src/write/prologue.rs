@@ -1,13 +1,12 @@
 //! Text before the equations: signature, arrays, aliases.
 
 use super::arrays::{ArrayRole, FileArray, FileArrays};
-use super::kind::{EquationKind, function_name};
+use super::file::{EquationKind, function_name};
 use super::text::FileText;
 use crate::Language;
 use robovec_cgen::kind::{Generation, ProjectStructure};
 use robovec_ir::{Function, Shape};
 
-/// Contents of a prologue.
 pub(super) struct Prologue<'a> {
     pub(super) kind: EquationKind,
     /// Model name, as in file names.
@@ -19,7 +18,6 @@ pub(super) struct Prologue<'a> {
 }
 
 impl Prologue<'_> {
-    /// Writes the prologue of the text's language.
     pub(super) fn write(&self, text: &mut FileText) {
         match text.language {
             Language::C => self.c(text),
@@ -28,8 +26,7 @@ impl Prologue<'_> {
         }
     }
 
-    /// The parameters that are filled: their names, where known, as those of
-    /// the function's own arrays (`Flink` or the older `Flnk`).
+    /// Parameters that are filled, by the function's own arrays where known.
     fn outputs(&self) -> Vec<(&str, usize, Option<&FileArray>)> {
         let outputs = self.kind.outputs.iter();
         outputs

@@ -5,7 +5,6 @@ use crate::Language;
 /// Lines longer than this continue in the next where an operator allows it.
 const WIDTH: usize = 118;
 
-/// A file being written.
 #[derive(Debug)]
 pub(super) struct FileText {
     pub(super) language: Language,
@@ -54,7 +53,6 @@ impl FileText {
         self.line = self.out.len();
     }
 
-    /// A line of comment.
     pub(super) fn comment(&mut self, text: &str) {
         self.out.push_str(comment_mark(self.language));
         self.line(text);
@@ -92,8 +90,7 @@ impl FileText {
         self.most = self.most.max(self.continuations);
     }
 
-    /// A piece of a statement; the line is broken before it at the last
-    /// operator if it makes the line too long.
+    /// A piece of a statement, before which a line that is too long is broken.
     pub(super) fn push(&mut self, text: &str) {
         self.out.push_str(text);
         if self.out.len() - self.line > WIDTH {

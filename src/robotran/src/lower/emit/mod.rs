@@ -1,28 +1,25 @@
 //! One straight-line function, written equation by equation.
 //!
-//! Invariant: the nodes of an equation are appended in the order of the
-//! arena, so the node `first + k` of the arena is the value `base + k` of the
-//! function.
+//! Invariant: nodes are appended in the order of the arena, so the node `first
+//! + k` of the arena is the value `base + k` of the function.
 
-mod declarations;
 mod equations;
-mod refusals;
 mod writing;
 
 use super::names::GivenNames;
 use super::scan::Scan;
 use crate::Language;
+use crate::conventions::{INPUT_ORDER, SENSOR_FIELDS};
 use crate::places::LineIndex;
-use crate::storage::Storage;
+use crate::storage::{Initial, Storage};
 use crate::syntax::{StatementKind, SyntaxTree};
 use crate::token::{RobotranName, SourceSpan};
 use hashbrown::{HashMap, HashSet};
 use robovec_ir::diagnostic::Diagnostic;
-use robovec_ir::{Array, Function, Node, Operand, Output, SourceSet, Symbol, Tables};
+use robovec_ir::{Array, Function, Input, Node, Operand, Output, Shape, SourceSet, Symbol, Tables};
 use rustc_hash::FxBuildHasher;
 use std::ops::Range;
 
-/// A set of names.
 pub(super) type SymbolSet = HashSet<Symbol, FxBuildHasher>;
 
 /// The scalars that pass between the parts of a function with loops.
@@ -55,19 +52,16 @@ pub(super) struct Shared<'a, 't> {
     pub(super) definitions: Vec<Operand>,
 }
 
-/// Beginning of the values of [`Later`], within each expression; above the
-/// number of nodes of any function.
+/// Beginning of the values of [`Later`] in each expression, above all nodes.
 const LATER: u32 = 1 << 29;
 
-/// The expressions of plain outputs. They are resolved at their place in the
-/// file but appended after all definitions, as the representation requires.
+/// The expressions of plain outputs, which come after all definitions.
 #[derive(Default, Debug)]
 pub(super) struct Later {
     nodes: Vec<Node>,
     trees: Vec<(Output, Range<usize>)>,
 }
 
-/// Writes one function.
 pub(super) struct FunctionEmitter<'e, 'a, 't> {
     pub(super) shared: &'e mut Shared<'a, 't>,
     pub(super) storage: &'e Storage,
@@ -149,7 +143,6 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         emitter
     }
 
-    /// Lowers the statements.
     pub(super) fn run(&mut self, runs: &[Range<usize>]) {
         for index in runs.iter().cloned().flatten() {
             self.statement = index;
@@ -182,4 +175,83 @@ pub(super) struct EmittedFunction {
     pub(super) missing: Vec<(Symbol, usize)>,
     pub(super) errors: Vec<Diagnostic>,
     pub(super) warnings: Vec<Diagnostic>,
+}
+
+impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
+    fn declare_inputs(&mut self) {
+        let rank = |array: u32| {
+            let text = match self.storage.arrays[array as usize].initial {
+                Initial::Input(name) => self.shared.tables.symbols.text(name),
+                Initial::Zero | Initial::Nothing => "",
+            };
+            let before = INPUT_ORDER.iter().take_while(|&&known| known != text);
+            before.count()
+        };
+        let mut read: Vec<u32> = (0..self.storage.arrays.len() as u32)
+            .filter(|&array| self.scan.read[array as usize])
+            .collect();
+        read.sort_by_key(|&array| rank(array));
+        for array in read {
+            self.declare_input(array);
+        }
+    }
+
+    /// Declares the input that an array begins as, unless another one does.
+    pub(in crate::lower) fn declare_input(&mut self, number: u32) {
+        let array = self.storage.arrays[number as usize];
+        let Initial::Input(name) = array.initial else {
+            return;
+        };
+        let input = match self.declared.get(&name) {
+            Some(&known) => known,
+            None => {
+                let shape = self.storage.input_shapes.get(&name).unwrap_or(&array.shape);
+                self.function.add_input(name, *shape)
+            }
+        };
+        self.declared.insert(name, input);
+        self.inputs[number as usize] = Some(input);
+    }
+
+    /// Outputs in the order of the signature, then of first appearance.
+    fn declare_outputs(&mut self) {
+        let rank = |array: &u32| {
+            let name = self.storage.arrays[*array as usize].name;
+            let place = self.parameters.get(&name);
+            // The fields of a sensor stand in the order of its structure, so
+            // that no case of a file depends on what the others ask for.
+            let text = self.shared.tables.symbols.text(name.symbol());
+            let before = SENSOR_FIELDS.iter().take_while(|&&field| field != text);
+            (place.copied().unwrap_or(usize::MAX), before.count())
+        };
+        let mut written: Vec<u32> = (0..self.storage.arrays.len() as u32)
+            .filter(|&array| {
+                let number = array as usize;
+                let visible = !self.storage.arrays[number].local
+                    || self.scan.passed[number]
+                    || self.crossing.is_some();
+                self.scan.written[number] && visible
+            })
+            .collect();
+        written.sort_by_key(rank);
+        for number in written {
+            let array = self.storage.arrays[number as usize];
+            let output = self.function.add_output(array.name.symbol(), array.shape);
+            self.declared_outputs.insert(output.name);
+            self.outputs[number as usize] = Some(output);
+        }
+    }
+
+    pub(in crate::lower) fn scalar_input(&mut self, symbol: Symbol) -> Operand {
+        match self.declared.get(&symbol).map(|array| array.shape) {
+            None => {}
+            Some(Shape::Scalar) => self.defined_twice(symbol),
+            Some(Shape::Vector(_) | Shape::Matrix(..)) => self.both_scalar_and_array(symbol),
+        }
+        let array = self.function.add_input(symbol, Shape::Scalar);
+        self.declared.insert(symbol, array);
+        let operand = Operand::from(Input(array.offset));
+        self.set_definition(symbol, operand);
+        operand
+    }
 }

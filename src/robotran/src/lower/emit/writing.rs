@@ -4,7 +4,9 @@ use super::{EmittedFunction, FunctionEmitter, LATER, Later, SymbolSet};
 use crate::Language;
 use crate::explain::refusal;
 use crate::lower::scan::{READ_BACK, REWRITTEN};
-use crate::token::RobotranName;
+use crate::syntax::{LeafKind, StatementKind, SyntaxLeaf};
+use crate::token::{RobotranName, SourceSpan};
+use robovec_ir::diagnostic::{Diagnostic, Label};
 use robovec_ir::{Name, Node, Operand, Operation, Output, SourceSet, Symbol, Value};
 
 impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
@@ -56,8 +58,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         self.set_definition(symbol, value);
     }
 
-    /// Names a value: a new node gets the name itself, any other value is
-    /// copied.
+    /// Names a value: a new node itself, of any other value a copy.
     pub(super) fn named(
         &mut self,
         name: Name,
@@ -108,8 +109,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         self.elements[slot as usize] = value;
     }
 
-    /// Appends the expressions that are after all definitions, in order of
-    /// the outputs they give.
+    /// Appends the expressions after all definitions, in order of outputs.
     fn append_trees(&mut self) {
         let Later { nodes, mut trees } = std::mem::take(&mut self.later);
         trees.sort_by_key(|&(output, _)| output);
@@ -136,8 +136,7 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
         }
     }
 
-    /// Finishes the function: the last value of every element that became a
-    /// named value, and the scalars other parts read.
+    /// Finishes the function: last values of elements, and scalars for others.
     pub(in crate::lower) fn finish(mut self) -> EmittedFunction {
         for slot in std::mem::take(&mut self.named_elements) {
             let number = self.storage.array_of(slot);
@@ -181,4 +180,76 @@ impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
             warnings: self.warnings,
         }
     }
+}
+
+impl<'e, 'a, 't> FunctionEmitter<'e, 'a, 't> {
+    /// A number of the structure of unknown type, or hidden by a variable.
+    pub(super) fn member_of_data(&mut self, symbol: Symbol) {
+        if !self.missing_known.insert(symbol) {
+            return;
+        }
+        let text = self.shared.tables.symbols.text(symbol).to_owned();
+        self.errors.push(refusal(
+            &format!("`{text}` of the data structure is used as a number"),
+            self.shared.syntax.statements[self.statement].span,
+            "its type and its number are not known here",
+            "the inputs of the equations are the arrays of the structure and the time `tsim`",
+        ));
+    }
+
+    pub(super) fn whole_number(&mut self, symbol: Symbol) {
+        if !self.missing_known.insert(symbol) {
+            return;
+        }
+        let text = self.shared.tables.symbols.text(symbol).to_owned();
+        self.errors.push(refusal(
+            &format!("`{text}` is a whole number and is read in an equation"),
+            self.shared.syntax.statements[self.statement].span,
+            "whole numbers are divided and rounded in another way",
+            "declare it `double`, or write its number in its place",
+        ));
+    }
+
+    pub(in crate::lower) fn both_scalar_and_array(&mut self, symbol: Symbol) {
+        let text = self.shared.tables.symbols.text(symbol).to_owned();
+        self.errors.push(refusal(
+            &format!("`{text}` is used as a number and as an array"),
+            self.shared.syntax.statements[self.statement].span,
+            "as a number here",
+            "write the index, or give one of the two another name",
+        ));
+    }
+
+    pub(in crate::lower) fn defined_twice(&mut self, symbol: Symbol) {
+        let text = self.shared.tables.symbols.text(symbol).to_owned();
+        let again = self.shared.syntax.statements[self.statement].span;
+        let first = self.first_definition(symbol);
+        self.errors.push(
+            Diagnostic::error()
+                .with_message(format!("`{text}` is defined twice"))
+                .with_labels(vec![
+                    Label::primary(0, again.range()).with_message("defined again here"),
+                    Label::secondary(0, first.range()).with_message("first defined here"),
+                ])
+                .with_note("every temporary has one equation; rename or delete one of the two"),
+        );
+    }
+
+    fn first_definition(&self, symbol: Symbol) -> SourceSpan {
+        let mut statements = self.shared.syntax.statements[..self.statement].iter();
+        let found = statements.rfind(|statement| match statement.kind {
+            StatementKind::Equation { target, .. } => defines(Some(target), symbol),
+            StatementKind::Call(call) => {
+                defines(self.shared.syntax.calls[call as usize].target, symbol)
+            }
+            _ => false,
+        });
+        found.expect("what is defined has a definition").span
+    }
+}
+
+/// True for the assignment to a scalar.
+fn defines(target: Option<SyntaxLeaf>, symbol: Symbol) -> bool {
+    let kind = target.map(SyntaxLeaf::kind);
+    matches!(kind, Some(LeafKind::Scalar(name)) if name.symbol() == symbol)
 }

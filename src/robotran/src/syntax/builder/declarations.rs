@@ -149,8 +149,7 @@ impl SyntaxBuilder {
         self.initialised.push((name, root));
     }
 
-    /// True when the declaration declares the name of a parameter: in an inner
-    /// block it would be another variable.
+    /// True when the declaration hides the name of a parameter.
     fn hidden_parameter(&self) -> bool {
         let Some(head) = self.syntax.heads.last() else {
             return false;
@@ -202,8 +201,7 @@ impl SyntaxBuilder {
                 self.statement(StatementKind::Counter(name), start, end);
                 continue;
             }
-            // The nodes of several initial values follow one another; each
-            // root is the last of its own.
+            // Nodes of several initial values follow one another, roots last.
             let end_of_run = match root.kind() {
                 LeafKind::Node(index) => index + 1,
                 _ => first,

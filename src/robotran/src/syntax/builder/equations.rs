@@ -1,9 +1,9 @@
-//! Equations and calls.
+//! Equations and calls, heads of functions, and cases of sensors.
 
-use super::SyntaxBuilder;
-use crate::literal::IntegerArithmetic;
-use crate::syntax::{Argument, FunctionCall, LeafKind, StatementKind, SyntaxLeaf};
-use crate::token::{RobotranName, SourceSpan};
+use super::{ParseFailure, SyntaxBuilder, refused};
+use crate::literal::{IntegerArithmetic, Literal};
+use crate::syntax::{Argument, FunctionCall, FunctionHeader, LeafKind, StatementKind, SyntaxLeaf};
+use crate::token::{RobotranName, SourceSpan, TypeWords};
 
 impl SyntaxBuilder {
     /// The nodes since the last statement.
@@ -73,5 +73,68 @@ impl SyntaxBuilder {
             arguments: (last - count, last),
         });
         self.simple(StatementKind::Call(index), start, end);
+    }
+}
+
+impl SyntaxBuilder {
+    pub(crate) fn output(&mut self, name: RobotranName) {
+        self.outputs.push(name);
+    }
+
+    pub(crate) fn parameter_word(&mut self, name: RobotranName) {
+        self.parameter = Some(name);
+    }
+
+    pub(crate) fn parameter_type(&mut self, words: TypeWords) {
+        self.parameter_types = self.parameter_types.and(words);
+    }
+
+    pub(crate) fn parameter_end(&mut self, start: u32, end: u32) -> Result<(), ParseFailure> {
+        let words = std::mem::take(&mut self.parameter_types);
+        if words.is_other_float() {
+            return Err(refused(
+                SourceSpan { start, end },
+                "a parameter of another type than `double`",
+                "its numbers would be rounded; robovec computes in 64-bit floats",
+            ));
+        }
+        if words.is_whole() {
+            self.whole_parameters.extend(self.parameter);
+        }
+        self.parameters.extend(self.parameter.take());
+        Ok(())
+    }
+
+    pub(crate) fn head(&mut self, start: u32, name: RobotranName, end: u32) {
+        let head = FunctionHeader {
+            name: name.symbol(),
+            parameters: std::mem::take(&mut self.parameters),
+            whole: std::mem::take(&mut self.whole_parameters),
+            outputs: std::mem::take(&mut self.outputs),
+            first_element: self.syntax.elements.len() as u32,
+        };
+        self.rows.clear();
+        let index = self.syntax.heads.len() as u32;
+        self.syntax.heads.push(head);
+        self.simple(StatementKind::Head(index), start, end);
+    }
+
+    pub(crate) fn case(
+        &mut self,
+        start: u32,
+        number: Literal,
+        end: u32,
+    ) -> Result<(), ParseFailure> {
+        let whole = number.number();
+        // Exact below 2^32, and nothing else is the number of a sensor.
+        if whole.fract() != 0.0 || !(0.0..4e9).contains(&whole) {
+            return Err(refused(
+                SourceSpan { start, end },
+                "a case that is not a whole number",
+                "the cases of a sensor file are the numbers of sensors",
+            ));
+        }
+        self.simple(StatementKind::Case(whole as u32), start, end);
+        Ok(())
     }
 }

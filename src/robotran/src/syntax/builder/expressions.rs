@@ -29,9 +29,8 @@ impl SyntaxBuilder {
         SyntaxLeaf::node(index)
     }
 
-    /// Number of bits that an operand may have as a whole number of Python, and
-    /// 0 for a float. Names represent whole numbers where any equation assigns
-    /// one.
+    /// Number of bits of an operand that may be a whole number of Python, 0 for
+    /// a float. Names represent whole numbers where any equation assigns one.
     pub(super) fn whole_bits(&self, leaf: SyntaxLeaf) -> u8 {
         match leaf.kind() {
             LeafKind::Node(index) => self.syntax.nodes[index as usize].whole_bits,
@@ -44,8 +43,7 @@ impl SyntaxBuilder {
         }
     }
 
-    /// An operation on whole numbers of Python: exact there, and in a 64-bit
-    /// float up to 53 bits.
+    /// An operation on whole numbers of Python, exact in a float up to 53 bits.
     fn exact(
         &self,
         operation: Operation,
@@ -78,8 +76,7 @@ impl SyntaxBuilder {
         }
     }
 
-    /// An operation on two operands. Literals that are not both 64-bit floats
-    /// are combined here, by the rules of the language.
+    /// An operation on two operands; other literals than floats are combined.
     pub(crate) fn node(
         &mut self,
         operation: Operation,
@@ -135,7 +132,9 @@ impl SyntaxBuilder {
             }
             first = node.operands[0];
         }
-        if first != operand && self.literal(first).is_some_and(Literal::is_whole_zero) {
+        // A whole zero has no sign.
+        let is_zero = matches!(self.literal(first), Some(Literal::Whole { value: 0, .. }));
+        if first != operand && is_zero {
             return Ok(operand);
         }
         let whole_bits = self.whole_bits(operand);
@@ -154,8 +153,7 @@ impl SyntaxBuilder {
         leaf
     }
 
-    /// C's conversion to another type; every operand but a literal is a
-    /// 64-bit float already.
+    /// C's conversion to another type; only literals are no 64-bit floats.
     pub(crate) fn converted(
         &mut self,
         start: u32,

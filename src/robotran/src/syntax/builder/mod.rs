@@ -3,7 +3,6 @@
 //! Invariant: every entry after the lengths in `complete` belongs to the
 //! statement that is being read, and is removed when it cannot be read.
 
-mod blocks;
 mod declarations;
 mod equations;
 mod expressions;
@@ -32,8 +31,7 @@ pub(super) fn unkept(Unkept { message, note }: Unkept, span: SourceSpan) -> Pars
 #[derive(Default, Debug)]
 pub(crate) struct SyntaxBuilder {
     pub(crate) syntax: SyntaxTree,
-    /// One past the number of `zeros` and declared extents: C and Python
-    /// count from 0 and leave element 0 unused.
+    /// One past `zeros` and declared extents: C and Python leave element 0.
     pub(crate) extents_from_zero: bool,
     /// The language of the literals' integer arithmetic.
     pub(crate) arithmetic: IntegerArithmetic,
