@@ -45,8 +45,7 @@ pub struct ReadEquations {
 }
 
 impl ReadEquations {
-    /// A module that was not read as equations: one without ranges, format and
-    /// remarks.
+    /// A module not read as equations: one without ranges, format and remarks.
     pub fn of(path: &Path, module: Module) -> ReadEquations {
         ReadEquations {
             module,
@@ -58,9 +57,8 @@ impl ReadEquations {
         }
     }
 
-    /// The text of the file once more, for a message that points into it;
-    /// keeping it from the start would double the memory of a large file.
-    /// `None` when it cannot be had again.
+    /// The text of the file once more, for a message that points into it, which
+    /// saves memory; `None` when it cannot be had again.
     pub fn text(&self) -> Option<String> {
         if self.path == Path::new("-") {
             return None;
@@ -70,8 +68,7 @@ impl ReadEquations {
     }
 }
 
-/// Name of a file in messages: only the last part, so that results do not
-/// depend on where one is; `<stdin>` for `-`.
+/// Name of a file in messages: its last part; `<stdin>` for `-`.
 pub fn display_name(path: &Path) -> String {
     if path == Path::new("-") {
         return "<stdin>".to_owned();
@@ -80,14 +77,12 @@ pub fn display_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Reads equations; without a language, in the one that name and text show. Of
-/// a file of FPCore only the function of a given name is read, of other files
-/// all functions.
+/// Reads equations; without a language, in the one that name and text show: of
+/// FPCore only a function of a given name, else all functions.
 ///
 /// # Errors
 ///
-/// Reports why the file is not read, where its text is wrong, or that no
-/// function sets an output.
+/// Reports why the file is not read, is wrong, or sets no output.
 pub fn equations(
     path: &Path,
     language: Option<EquationLanguage>,
@@ -112,10 +107,6 @@ pub fn equations(
 }
 
 /// Does as [`equations`], and takes files whose functions set no output.
-///
-/// # Errors
-///
-/// Reports why the file is not read, or where its text is wrong.
 pub fn equations_or_stubs(
     path: &Path,
     language: Option<EquationLanguage>,
@@ -177,18 +168,13 @@ static FLOATING: AtomicBool = AtomicBool::new(false);
 /// The bits of [`RobotReading::right_angle`].
 static RIGHT_ANGLE: AtomicU64 = AtomicU64::new(0);
 
-/// Sets the options for reading robots from now on, in the whole process;
-/// [`RobotReading::default`] otherwise.
+/// Sets the options for reading robots, for the whole process.
 pub fn set_reading(reading: RobotReading) {
     FLOATING.store(reading.base == RobotBase::Floating, Ordering::Relaxed);
     RIGHT_ANGLE.store(reading.right_angle.to_bits(), Ordering::Relaxed);
 }
 
 /// Reads a model, a `.mbs` or a URDF file, a robot as [`set_reading`] set.
-///
-/// # Errors
-///
-/// Reports why the file is not read, or where its text is wrong.
 pub fn model(path: &Path) -> Result<ReadModel, Report> {
     let base = if FLOATING.load(Ordering::Relaxed) {
         RobotBase::Floating
@@ -200,10 +186,6 @@ pub fn model(path: &Path) -> Result<ReadModel, Report> {
 }
 
 /// Reads a model, a robot with its own options.
-///
-/// # Errors
-///
-/// As [`model`].
 pub fn model_as(path: &Path, robot: RobotReading) -> Result<ReadModel, Report> {
     if let Some(model) = built_in_name(path).and_then(family::built_in) {
         return Ok(ReadModel {
@@ -234,8 +216,7 @@ pub fn is_model_path(path: &Path) -> bool {
     is("mbs") || is("urdf") || is("xml") || built_in_name(path).is_some()
 }
 
-/// The name of a built-in model (`bogie`, `serial-23`) used instead of a file;
-/// a file of that name has priority.
+/// Name of a built-in model in place of a file, which has priority.
 fn built_in_name(path: &Path) -> Option<&str> {
     let name = path.to_str()?;
     (family::is_built_in(name) && !path.exists()).then_some(name)
@@ -252,8 +233,7 @@ pub fn limits_of_joints(model: &Model) -> Ranges {
     ranges
 }
 
-/// Number of bytes at the beginning of a file in which its first element is
-/// searched.
+/// Number of first bytes of a file in which its first element is searched.
 const HEAD: usize = 4096;
 
 /// True for a URDF or MJCF file, by its name or else its first element.
@@ -264,10 +244,6 @@ pub fn is_robot(name: &str, bytes: &[u8]) -> bool {
 }
 
 /// Reads a text of a kind.
-///
-/// # Errors
-///
-/// Reports why the file is not read, or which byte is no UTF-8.
 pub fn text(path: &Path, limit: &FileLimit) -> Result<String, Report> {
     let bytes = limited::read(path, limit)?;
     let name = path.display().to_string();
@@ -275,10 +251,6 @@ pub fn text(path: &Path, limit: &FileLimit) -> Result<String, Report> {
 }
 
 /// The machine of a name, or of a file.
-///
-/// # Errors
-///
-/// Reports which machines there are, or where the file is wrong.
 pub fn machine(name: &str) -> Result<Machine, Report> {
     if let Some(machine) = Machine::built_in(name) {
         return Ok(machine);

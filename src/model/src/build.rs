@@ -56,18 +56,16 @@ pub struct ModelBuilder {
 }
 
 impl ModelBuilder {
-    /// A model of nothing, with the gravity of the earth against the third
-    /// axis of the base.
+    /// A model of nothing, with gravity against the third axis of the base.
     pub fn new(name: &str) -> ModelBuilder {
         ModelBuilder {
             model: Model::new(name),
         }
     }
 
-    /// Adds a body that is attached to a place by joints in series; `joints`
-    /// begins at the parent. They are independent, start at zero and are called
-    /// after their kind and the body, `R1_Arm`, with a number where a body has
-    /// two of a kind.
+    /// Adds a body attached to a place by joints in series, the parent's first.
+    /// They are independent, start at zero and are called after their kind and
+    /// the body, `R1_Arm`, with a number where a body has two of a kind.
     ///
     /// # Panics
     ///
@@ -136,8 +134,7 @@ impl ModelBuilder {
         }
     }
 
-    /// A joint of a body, counted from 0, to change its nature, initial values
-    /// or name.
+    /// A joint of a body, from 0, to change its nature, initial values or name.
     ///
     /// # Panics
     ///

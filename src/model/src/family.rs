@@ -11,12 +11,11 @@
 //! to the last bit. Inertias are those of clouds of points, hence physically
 //! possible.
 
-use robovec_num::limits::NumberLimit;
-
 use super::build::{BASE, BodyPlace, BodyRef, ModelBuilder};
 use super::mbs::read_mbs;
-use super::random::{ParameterRandom, four_digits};
 use super::{Axis, JointKind, Model};
+use robovec_num::limits::NumberLimit;
+use robovec_num::random::Random;
 use robovec_robotran::conventions::JOINT_LIMIT;
 
 /// Limit of the number of joints of a family.
@@ -112,8 +111,7 @@ impl ModelFamily {
         !matches!(self.members, FamilyMembers::File(_))
     }
 
-    /// The model of the family with this number of joints, which families of
-    /// one size ignore.
+    /// The model of the family with this number of joints, if sizes differ.
     ///
     /// # Panics
     ///
@@ -139,8 +137,7 @@ impl ModelFamily {
 /// A tree in the form of a trunk, on whose last body branches hang.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TrunkTree {
-    /// The number of bodies of the trunk; 0 when the branches are attached to
-    /// the base.
+    /// Number of bodies of the trunk; 0 when branches are attached to the base.
     pub trunk: usize,
     /// The number of bodies of each branch.
     pub branches: Vec<usize>,
@@ -320,9 +317,8 @@ fn inertia(random: &mut ParameterRandom, mass: f64, size: f64) -> [f64; 6] {
 }
 
 /// A random tree with joints of all six types, for tests. Bodies have one to
-/// three joints in series, of different types, so that the mass matrix is not
-/// singular; they are attached to the base, on points and on origins; some
-/// parameters are zero.
+/// three joints in series, of different types: the mass matrix is regular; they
+/// are on the base, points and origins; some parameters are zero.
 ///
 /// # Panics
 ///
@@ -419,3 +415,39 @@ pub fn built_in(name: &str) -> Option<Model> {
 
 #[cfg(test)]
 mod tests;
+
+#[derive(Clone, Debug)]
+pub(crate) struct ParameterRandom(Random);
+
+impl ParameterRandom {
+    pub(crate) fn new(seed: u64) -> ParameterRandom {
+        ParameterRandom(Random::new(seed))
+    }
+
+    /// A number from 0 to below `count`, which is not zero.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        self.0.below(count)
+    }
+
+    pub(crate) fn once_in(&mut self, count: usize) -> bool {
+        self.below(count) == 0
+    }
+
+    /// A number in a range, with four digits, so that files stay short.
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        debug_assert!(low <= high, "a range ends after its start");
+        four_digits(low + (high - low) * self.0.unit())
+    }
+
+    /// As [`ParameterRandom::between`], of either sign.
+    pub(crate) fn signed(&mut self, low: f64, high: f64) -> f64 {
+        let size = self.between(low, high);
+        if self.once_in(2) { -size } else { size }
+    }
+}
+
+/// The nearest number with four significant digits.
+pub(crate) fn four_digits(value: f64) -> f64 {
+    let text = format!("{value:.3e}");
+    text.parse().expect("the text of a number is one")
+}

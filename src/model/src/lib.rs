@@ -4,8 +4,7 @@
 //! built by a program. All lists are flat and in file order, because Robotran's
 //! numbers are places in these lists: a joint id counts joints over all bodies,
 //! a point id (the column of `dpt`) counts the points of the base first, then
-//! those of the bodies. Both count from 1 in files and messages; the indices in
-//! these structures count from 0.
+//! those of the bodies. Both count from 1 in files and messages, from 0 here.
 //!
 //! **Invariants** (upheld by every reader and builder of models, and verified
 //! by [`Model::check`]): a joint's parent has a smaller index; a body has at
@@ -18,7 +17,6 @@ pub mod family;
 pub mod mbs;
 mod mounting;
 mod physics;
-mod random;
 mod reading;
 pub mod robot;
 mod rotation;
@@ -28,8 +26,7 @@ mod xml;
 pub use mounting::{ConstantTurn, JointCoupling, JointMounting};
 use std::ops::Range;
 
-/// A multibody system. Lengths are in metres, masses in kilograms, angles in
-/// radians.
+/// A multibody system. Lengths are in m, masses in kg, angles in rad.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Model {
     /// The name of the project, the suffix of Robotran's files.
@@ -50,8 +47,7 @@ pub struct Model {
     pub links3d: Vec<Link>,
     /// Sensors, in order of appearance; sensor number = index + 1.
     pub sensors: Vec<Sensor>,
-    /// Points where an external force acts, in order of appearance; number =
-    /// index + 1.
+    /// Points where external forces act, in their order; number = index + 1.
     pub forces: Vec<Sensor>,
     /// Frames of bodies by name: the links of a robot.
     pub frames: Vec<NamedFrame>,
@@ -67,8 +63,7 @@ pub struct Body {
     pub name: String,
     /// The body it is attached to; `None` for the base.
     pub parent: Option<usize>,
-    /// The point of the parent it is attached to; `None` for the parent's
-    /// origin.
+    /// Point of the parent it is attached to; `None` for its origin.
     pub point: Option<usize>,
     /// Its joints, from the parent on; mass, centre and inertia belong to the
     /// last of them, the others move fictitious bodies without mass.
@@ -78,8 +73,7 @@ pub struct Body {
     /// Centre of mass in the body's frame, m.
     pub center: [f64; 3],
     /// Moments of inertia about the centre of mass in the body's frame, kg m^2:
-    /// `Ixx Ixy Ixz Iyy Iyz Izz`, where `Ixy` and its like are entries of the
-    /// matrix (`-∫xy dm`).
+    /// `Ixx Ixy Ixz Iyy Iyz Izz`, entries of the matrix (`-∫xy dm`).
     pub inertia: [f64; 6],
 }
 
@@ -184,8 +178,7 @@ pub struct Joint {
     /// body's [`Body::point`] for its first joint, `None` for the others.
     pub point: Option<usize>,
     /// True when velocity `qd` is a symbol of the equations. A driven joint
-    /// whose file lists its symbols without this one has a structural zero
-    /// instead; all other joints have the symbol.
+    /// whose file lists symbols without this one has a structural zero instead.
     pub has_velocity: bool,
     /// True when the acceleration `qdd` is a symbol of the equations; see
     /// [`Joint::has_velocity`].
@@ -196,8 +189,7 @@ pub struct Joint {
     pub initial: [f64; 3],
     /// Place where its frame is on the one before.
     pub mounting: JointMounting,
-    /// The smallest and the greatest position (m or rad), where the model limits
-    /// it.
+    /// Smallest and greatest position (m or rad), where the model limits it.
     pub limits: Option<[f64; 2]>,
     /// The forces along its motion that the file of a robot gives.
     pub law: JointLaw,
@@ -262,8 +254,7 @@ pub enum CutKind {
 }
 
 impl CutKind {
-    /// The number of constraint rows, those that are identically zero
-    /// included.
+    /// Number of constraint rows, identically zero ones included.
     pub fn rows(self) -> usize {
         match self {
             CutKind::Ball => 3,
@@ -284,15 +275,13 @@ pub struct Cut {
     pub ends: [Anchor; 2],
     /// Directions of a ball cut that are left out.
     pub ignore: [bool; 3],
-    /// The matrix that takes components in the frame of the second end to those
-    /// in the frame of the first where a solid cut is closed; `None` where both
-    /// frames coincide.
+    /// The matrix from the frame of the second end to that of the first where a
+    /// solid cut is closed; `None` where both coincide.
     pub rotation: Option<[[f64; 3]; 3]>,
 }
 
 impl Cut {
-    /// The number of constraint rows, without ignored directions but with
-    /// those that are identically zero.
+    /// Number of constraint rows, without ignored directions, with zero ones.
     pub fn rows(&self) -> usize {
         let ignored = self.ignore.iter().filter(|&&ignored| ignored).count();
         self.kind.rows()
@@ -458,8 +447,7 @@ impl Model {
         depths
     }
 
-    /// Numbers points in the order of their bodies, and sensors and external
-    /// forces in the order of their points.
+    /// Numbers points by bodies, and sensors and forces by points.
     pub(crate) fn number_points(&mut self) {
         let mut order: Vec<usize> = (0..self.points.len()).collect();
         order.sort_by_key(|&point| self.points[point].body);

@@ -1,5 +1,4 @@
-//! Mounting of a joint on its parent: turns and signs beyond Robotran's joints,
-//! whose axes are those of the frame before.
+//! Mounting of a joint on its parent: turns and signs beyond Robotran's joints.
 //!
 //! The axis of a joint is always an axis of its frame. If it is no axis of the
 //! frame before, constant rotations are inserted; they have no degree of
@@ -28,8 +27,7 @@ pub struct JointMounting {
 }
 
 impl JointMounting {
-    /// True for a joint that Robotran can have: along or about an axis of its
-    /// frame.
+    /// True for a joint of Robotran: along or about an axis of its frame.
     pub fn is_plain(&self) -> bool {
         self.turns.is_empty() && !self.reversed
     }
@@ -46,8 +44,7 @@ impl JointMounting {
     }
 }
 
-/// A joint that follows another one: its position is `factor` times the
-/// leader's, plus `offset`.
+/// A joint that follows another one: at `factor` times its place plus `offset`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct JointCoupling {
     /// The joint that follows, an index.

@@ -5,8 +5,7 @@ use super::{Body, CutKind, Joint, JointKind, Model, Nature};
 use robovec_ir::diagnostic::clip;
 use std::ops::Range;
 
-/// Warns of bodies that move no mass and of impossible inertias; `places` are
-/// those of the names of bodies.
+/// Warns of bodies without mass and of impossible inertias at names' `places`.
 pub(super) fn remark(model: &Model, places: &[Range<usize>], messages: &mut Messages) {
     assert_eq!(
         places.len(),
@@ -42,7 +41,6 @@ pub(super) fn impossible(
     );
 }
 
-/// Title of a body in messages.
 pub(super) fn body_title(name: &str) -> String {
     format!("body '{}'", clip(name))
 }
@@ -110,9 +108,8 @@ fn is_driven(joint: &Joint) -> bool {
 }
 
 /// Warns of free bodies without mass that one other body is attached to: such a
-/// body follows each movement of the joint between them while the other one
-/// rests, so the mass matrix is singular. None where a cut holds one of them,
-/// or joints are driven or turn rotors.
+/// body moves without mass, so the mass matrix is singular. None where a cut
+/// holds one of them, or joints are driven or turn rotors.
 fn massless_bases(
     model: &Model,
     carries: &[bool],
@@ -178,8 +175,7 @@ fn spread(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> [f64; 6] {
     ]
 }
 
-/// True when no principal value of a symmetric matrix is negative beyond the
-/// rounding of entries of this scale.
+/// True when no principal value is negative beyond rounding at this scale.
 fn is_positive(&[xx, xy, xz, yy, yz, zz]: &[f64; 6], scale: f64) -> bool {
     let minor = |a: f64, b: f64, c: f64| a * b - c * c >= -ROUNDING * scale * scale;
     let determinant =

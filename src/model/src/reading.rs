@@ -14,10 +14,8 @@ pub struct ReadModel {
     pub model: Model,
     /// Warnings, with the text they are about.
     pub warnings: Report,
-    /// Warnings about elements of the model that no generated function
-    /// contains: one for each `link3D`, or for a force of a robot, with
-    /// its place. They concern the generation of equations, not the inspection
-    /// of a model.
+    /// Warnings about elements that no generated function contains: each
+    /// `link3D`, or force of a robot, with its place.
     pub left_out: Report,
 }
 
@@ -73,8 +71,7 @@ impl fmt::Display for ModelError {
 
 impl std::error::Error for ModelError {}
 
-/// Reads a file of a kind; `model` makes a model of its elements, or none, with
-/// errors among the messages.
+/// Reads a file of a kind; `model` makes a model of it, or none and errors.
 pub(crate) fn read_model(
     (name, bytes): (&str, &[u8]),
     kind: &DocumentKind,

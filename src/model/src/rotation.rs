@@ -7,14 +7,12 @@
 use crate::{Axis, ConstantTurn};
 use std::array::from_fn;
 
-/// A vector.
 pub(super) type Point3 = [f64; 3];
 
 /// Part of a number of the size of one that is rounding.
 pub(super) const DUST: f64 = 1e-15;
 
-/// The multiple of a right angle that an angle differs from by no more than a
-/// tolerance, rad; otherwise the angle.
+/// The multiple of a right angle nearly equal to an angle, rad, or the angle.
 pub(super) fn to_right_angle(angle: f64, tolerance: f64) -> f64 {
     let quarter = std::f64::consts::FRAC_PI_2;
     let nearest = (angle / quarter).round() * quarter;
@@ -45,8 +43,7 @@ pub(super) fn unit(vector: Point3) -> Option<Point3> {
     Some(vector.map(|x| x / length))
 }
 
-/// A rotation: its matrix transforms components in a frame to those in its
-/// parent frame.
+/// A rotation: the matrix from components in a frame to those in its parent.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Rotation3(pub(super) [[f64; 3]; 3]);
 
@@ -77,8 +74,7 @@ impl Rotation3 {
         Rotation3(matrix)
     }
 
-    /// By yaw about the third axis, then pitch about the new second, then roll
-    /// about the new first.
+    /// By yaw about the third axis, pitch about the new second, then roll.
     pub(super) fn from_roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> Rotation3 {
         let about = Rotation3::about;
         let first = about(Axis::Z, yaw).then(&about(Axis::Y, pitch));
@@ -139,7 +135,6 @@ impl Rotation3 {
         Rotation3(from_fn(|row| from_fn(|column| self.0[column][row])))
     }
 
-    /// The rotation of constant turns, one after the other.
     pub(super) fn of_turns(turns: &[ConstantTurn]) -> Rotation3 {
         let start = Rotation3::IDENTITY;
         turns.iter().fold(start, |before, turn| {
@@ -160,8 +155,7 @@ impl Rotation3 {
         [yaw, pitch, roll]
     }
 
-    /// Turns about axes that give the rotation: yaw, pitch and roll without
-    /// those that are zero.
+    /// Turns about axes that give the rotation: yaw, pitch and roll.
     pub(super) fn turns(&self) -> Vec<ConstantTurn> {
         let [yaw, pitch, roll] = self.yaw_pitch_roll();
         let all = [(Axis::Z, yaw), (Axis::Y, pitch), (Axis::X, roll)];

@@ -6,8 +6,7 @@ use std::fmt::Write;
 /// The summary of a model, several lines of text.
 ///
 /// In the tree, a body that hangs alone on another is right below it; only
-/// where a body carries several do their branches step to the right, so that
-/// long chains stay readable.
+/// branches step to the right, so that long chains stay readable.
 pub fn summarise(model: &Model) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail, here and below.
@@ -112,8 +111,7 @@ fn tree(model: &Model) -> String {
     text + "\n"
 }
 
-/// Pushes the bodies attached to one onto the stack, in reverse order, each
-/// with the prefixes of its line and of its branch.
+/// Pushes the bodies attached to one onto the stack, with their prefixes.
 fn push_children(children: &[usize], prefix: &str, stack: &mut Vec<(usize, String, String)>) {
     for (place, &child) in children.iter().enumerate().rev() {
         let (head, below) = match children.len() {
@@ -210,7 +208,6 @@ fn placements(model: &Model) -> String {
 /// Constant turns smaller than this were hardly meant, rad.
 const NEARLY: f64 = 1e-4;
 
-/// A point with its number.
 fn point_name(model: &Model, point: usize) -> String {
     format!("{} [{}]", model.points[point].name, point + 1)
 }
@@ -257,8 +254,7 @@ fn coupling_line(model: &Model, cut: &Cut, coupling: &JointCoupling) -> String {
     line
 }
 
-/// The number of joints around a loop: those on the path to exactly one end of
-/// the cut.
+/// Number of joints around a loop: on the path to exactly one end of the cut.
 fn loop_joints(model: &Model, cut: &Cut) -> usize {
     let mut on_one_path = vec![false; model.joints.len()];
     for end in cut.ends {

@@ -1,5 +1,4 @@
-//! Reading of files named by a user: only files of finite length, up to the
-//! limit of their kind.
+//! Reading of files named by a user: finite ones, up to their kind's limit.
 //!
 //! A device has no end, and a pipe in a folder has no content until another
 //! process writes into it; both are refused. The standard input (`-`) and pipes
@@ -128,10 +127,6 @@ pub const ALL: [FileLimit; 12] = [
 ];
 
 /// Reads a file whole; `-` is the standard input.
-///
-/// # Errors
-///
-/// Reports why the file cannot be read, is not read, or that it is too large.
 pub fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Report> {
     let fail = |reason: String| {
         let message = format!("cannot read {}: {reason}", path.display());
@@ -158,8 +153,7 @@ pub fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Report> {
         if there.is_file() && there.len() > most {
             return Ok(Err(too_large()));
         }
-        // Memory for a file of known size is had at once, not twice while it
-        // grows.
+        // Memory for a file of known size is had at once.
         let known = if there.is_file() { there.len() } else { 0 };
         up_to(File::open(path)?, known, most).map(|bytes| bytes.ok_or_else(too_large))
     };
@@ -170,8 +164,7 @@ pub fn read(path: &Path, limit: &FileLimit) -> Result<Vec<u8>, Report> {
 
 /// An error for a file of another kind than the one that is read.
 fn refuse_others(path: &Path, bytes: &[u8], wanted: FileKind) -> Result<(), Report> {
-    // Images are read with whatever lies beside them; a template is text of any
-    // language.
+    // Images are read with files beside them; templates are of any language.
     if matches!(wanted, FileKind::Image | FileKind::Template) {
         return Ok(());
     }

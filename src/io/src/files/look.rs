@@ -1,5 +1,4 @@
-//! The kind of a file, by its first bytes, for messages about a file that a
-//! command cannot take.
+//! The kind of a file, by its first bytes, for messages about wrong files.
 //!
 //! **Invariant.** A file that the reader of its kind would accept is recognised
 //! as that kind or as no particular kind.

@@ -1,8 +1,7 @@
 //! Files and folders that robovec reads and writes.
 //!
 //! A file that a user names is read up to the limit of its kind ([`limited`]).
-//! All writes to the disk use this module, so that these rules hold
-//! everywhere:
+//! All writes to the disk use this module, with these rules:
 //!
 //! - **Invariant.** A file appears whole or not at all: it is written under a
 //!   temporary name beside its place, which it takes when all is there.
@@ -17,11 +16,10 @@
 
 pub mod limited;
 mod look;
-mod own;
 pub mod sealed;
 mod temporary;
 mod write;
 
-pub use own::{Replace, set_force};
 pub use temporary::TemporaryFolder;
 pub use write::{FileWriteError, make_folder, refuse_foreign, remove, write_whole};
+pub use write::{Replace, set_force};

@@ -5,7 +5,7 @@
 //! any file is overwritten and written last, so that a folder with it was once
 //! complete, and its hashes show whether it still is.
 
-use super::own::Replace;
+use super::write::Replace;
 use super::write::{FileWriteError, make_folder, refuse_foreign, write_whole};
 use robovec_fpga::manifest::FileHash;
 use robovec_fpga::rtl::DESCRIPTION;
@@ -29,8 +29,7 @@ fn turn(name: &str) -> u8 {
     }
 }
 
-/// Writes files, given as (name, text), into a folder and folders below it,
-/// those that seal the others last.
+/// Writes files, given as (name, text), below a folder, those that seal last.
 ///
 /// # Errors
 ///
@@ -94,10 +93,6 @@ pub enum SealError {
 }
 
 /// Compares the files of a folder with the hashes in its seal.
-///
-/// # Errors
-///
-/// The first file that is missing or another.
 pub fn check_folder(folder: &Path, files: &[FileHash]) -> Result<(), SealError> {
     for one in files {
         let file = one.file.clone();

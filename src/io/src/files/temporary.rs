@@ -20,8 +20,7 @@ const SUFFIX: &str = ".part";
 const FOLDER_PREFIX: &str = "robovec-";
 const LOCK: &str = ".robovec-lock";
 
-/// Number of times a name is tried that another run takes for a leftover in the
-/// instant before it is locked.
+/// Number of trials of names that other runs take before they are locked.
 const TRIES: usize = 64;
 
 /// Folders whose leftovers this run has removed.
@@ -33,8 +32,7 @@ fn is_first(folder: &Path) -> bool {
     cleaned.insert(folder.to_owned())
 }
 
-/// A locked temporary file in a folder, with the permissions that the user's
-/// mask leaves.
+/// A locked temporary file in a folder, with permissions by the user's mask.
 pub(super) fn file_in(folder: &Path) -> io::Result<NamedTempFile> {
     for _ in 0..TRIES {
         let mut builder = Builder::new();
@@ -66,8 +64,7 @@ fn is_left(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| file.try_lock().is_ok())
 }
 
-/// Removes the leftovers in a folder that belong to the owner of `own`. Files
-/// that cannot be removed are left, as they do no harm.
+/// Removes leftovers in a folder of the owner of `own`, where that is allowed.
 fn remove_files(folder: &Path, own: &Metadata) {
     for path in entries(folder, own, PREFIX, Metadata::is_file) {
         if path.to_string_lossy().ends_with(SUFFIX) && is_left(&path) {
@@ -113,10 +110,6 @@ pub struct TemporaryFolder {
 
 impl TemporaryFolder {
     /// A new one among the temporary files of the system.
-    ///
-    /// # Errors
-    ///
-    /// Fails when it cannot be made.
     pub fn new() -> io::Result<TemporaryFolder> {
         TemporaryFolder::new_in(&std::env::temp_dir())
     }

@@ -3,15 +3,14 @@
 //! The content goes to a temporary file beside the target, which then takes the
 //! target's name: a reader of the target sees the old content or the new one,
 //! never half of it. Where replacing the name would change the kind of the
-//! target (a device, a file with other names, or of an owner that cannot be
-//! given to another file), the target itself is written into. Symbolic links
-//! are followed first.
+//! target (a device, or a file of other names or of another owner), the target
+//! is written into. Symbolic links are followed first.
 
-use super::own::{self, Replace};
 use super::temporary;
 use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use tempfile::NamedTempFile;
 
 /// Reason why a file was not written. The old content is then unchanged.
@@ -25,16 +24,10 @@ pub enum FileWriteError {
     System(PathBuf, io::Error),
 }
 
-/// The maximum number of symbolic links that are followed in a chain before it
-/// counts as a circle: the limit of Linux.
+/// Maximum number of symbolic links in a chain, as on Linux.
 const MAX_LINKS: usize = 40;
 
-/// Removes a file, or a folder with all that is in it; nothing where there is
-/// none.
-///
-/// # Errors
-///
-/// As those of [`std::fs::remove_file`] and [`std::fs::remove_dir_all`].
+/// Removes a file, or a folder with all that is in it, if it is there.
 pub fn remove(path: &Path) -> io::Result<()> {
     if path.is_dir() {
         fs::remove_dir_all(path)
@@ -46,10 +39,6 @@ pub fn remove(path: &Path) -> io::Result<()> {
 }
 
 /// Makes a folder, with those above it.
-///
-/// # Errors
-///
-/// Fails when the system refuses.
 pub fn make_folder(path: &Path) -> io::Result<()> {
     fs::create_dir_all(path)
 }
@@ -99,16 +88,11 @@ pub fn write_whole(
     }
 }
 
-/// An error when an existing file must not be replaced: tested before the work
-/// whose result it would hold.
-///
-/// # Errors
-///
-/// Fails when the name exists and must not be replaced, or cannot be read.
+/// An error when an existing file must not be replaced, before any work.
 pub fn refuse_foreign(path: &Path, replace: Replace) -> Result<(), FileWriteError> {
     let is_there = fs::metadata(path).is_ok_and(|there| there.is_file());
     let system = |error: io::Error| FileWriteError::System(path.to_owned(), error);
-    if !is_there || own::may_replace(path, replace).map_err(system)? {
+    if !is_there || may_replace(path, replace).map_err(system)? {
         Ok(())
     } else {
         Err(FileWriteError::Foreign(path.to_owned()))
@@ -128,8 +112,7 @@ fn create_file(
     Ok(())
 }
 
-/// The final target of symbolic links, even if it does not exist yet (which
-/// `fs::canonicalize` refuses); the path itself when it is no link.
+/// The final target of symbolic links, even if it does not exist yet.
 fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -143,8 +126,7 @@ fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// The folder of a file; the current one for a bare name, whose parent is
-/// empty.
+/// The folder of a file; the current one for a bare name.
 fn parent(path: &Path) -> &Path {
     let folder = path.parent();
     folder
@@ -190,8 +172,7 @@ fn overwrite(path: &Path, from: &mut dyn io::Read) -> io::Result<()> {
 }
 
 /// Gives a new file the owner and the permissions of the existing file; false
-/// when that cannot be, or the existing file has other names (hard links),
-/// which would keep the old content.
+/// when that cannot be, or the existing file has other names (hard links).
 #[cfg(unix)]
 fn takes_owner_and_permissions(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
     use std::os::unix::fs::{MetadataExt, fchown};
@@ -207,12 +188,87 @@ fn takes_owner_and_permissions(file: &NamedTempFile, there: &Metadata) -> io::Re
     Ok(true)
 }
 
-/// Gives a new file the permissions of the existing file, which is all that can
-/// be requested here.
+/// Gives a new file the permissions of the existing one.
 #[cfg(not(unix))]
 fn takes_owner_and_permissions(file: &NamedTempFile, there: &Metadata) -> io::Result<bool> {
     file.as_file().set_permissions(there.permissions())?;
     Ok(true)
+}
+
+/// Files that a written file may replace.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Replace {
+    /// Anything: the user requested it, or it is in a folder of robovec's.
+    Anything,
+    /// Results: all but files of programs and models of others than robovec.
+    Results,
+    /// Files that robovec wrote, known by a line they carry, and empty files.
+    Own,
+    /// Files that are empty.
+    Nothing,
+}
+
+/// Ends of the names of files that people write by hand.
+const WRITTEN_BY_HAND: [&str; 19] = [
+    "c", "h", "cc", "cpp", "hpp", "m", "py", "rs", "v", "sv", "vhd", "sh", "mbs", "rvir", "rules",
+    "toml", "md", "tex", "tcl",
+];
+
+/// Number of bytes at the beginning of a file that are searched for its mark.
+const HEAD: u64 = 4096;
+
+/// Parts of lines that the files written by robovec have in their head: the
+/// text form, C of every kind, Robotran's languages, hardware, projects and
+/// scripts, manifests and descriptions, and reproducers.
+const MARKS: [&str; 7] = [
+    "// robovec ",
+    " by robovec",
+    "robovec - Version ",
+    "Generated by robovec",
+    "Written by robovec",
+    "\"robovec\":",
+    "// reproduce: robovec-opt ",
+];
+
+/// True while any file may be replaced.
+static FORCED: AtomicBool = AtomicBool::new(false);
+
+/// Sets whether any file may be replaced from now on, in the whole process.
+pub fn set_force(force: bool) {
+    FORCED.store(force, Ordering::Relaxed);
+}
+
+/// True when an existing file may be replaced: of a link, name and target.
+pub(super) fn may_replace(path: &Path, replace: Replace) -> io::Result<bool> {
+    if FORCED.load(Ordering::Relaxed) {
+        return Ok(true);
+    }
+    let is_hand = |path: &Path| {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        extension.is_some_and(|end| WRITTEN_BY_HAND.contains(&end))
+    };
+    match replace {
+        Replace::Anything => Ok(true),
+        Replace::Results if !is_hand(path) && !is_hand(&fs::canonicalize(path)?) => Ok(true),
+        Replace::Results | Replace::Own => {
+            let head = head(path)?;
+            Ok(head.is_empty() || is_own(&head))
+        }
+        Replace::Nothing => Ok(head(path)?.is_empty()),
+    }
+}
+
+fn head(path: &Path) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    File::open(path)?.take(HEAD).read_to_end(&mut head)?;
+    Ok(head)
+}
+
+/// True when the head of a file has a mark of robovec's.
+fn is_own(head: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(head);
+    let mut lines = head.lines();
+    lines.any(|line| MARKS.iter().any(|mark| line.contains(mark)))
 }
 
 #[cfg(test)]
@@ -297,5 +353,28 @@ mod tests {
         fs::write(&table, "1,2").expect("written");
         text(&table, Replace::Results, "3,4").expect("a result");
         assert!(text(&table, Replace::Own, "5,6").is_err());
+    }
+
+    #[test]
+    fn files_of_others_are_known() {
+        let robotran = "//\n//\tROBOTRAN - Version 6.6\n//\n//\t==> Project name : robovec\n";
+        for foreign in [
+            robotran,
+            "double x;\n",
+            "-- by hand\n",
+            "#include \"robovec.h\"\n",
+        ] {
+            assert!(!is_own(foreign.as_bytes()), "{foreign}");
+        }
+        for own in [
+            "// robovec 1\n",
+            "//\n//\trobovec - Version 0.1.0\n",
+            "%\n%\trobovec - Version 0.1.0\n",
+            "/* dirdyna by robovec. Arrays count from 1 */\n",
+            "// RUN: cse\n// reproduce: robovec-opt FILE --passes=cse\n",
+            "{\n  \"robovec\": \"0.1.0\",\n",
+        ] {
+            assert!(is_own(own.as_bytes()), "{own}");
+        }
     }
 }

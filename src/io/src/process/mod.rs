@@ -1,23 +1,18 @@
-//! External programs that robovec runs: compilers, simulators of hardware,
-//! yosys, Python, and compiled programs.
+//! External programs: compilers, simulators of hardware, yosys, Python, others.
 //!
 //! None of them is trusted to end or to limit its output. **Invariant.** A run
 //! ends: after its time, or beyond the limit of its output, it is killed with
-//! all processes that it started. On Unix it also ends when robovec does, for
-//! any cause, because a small watcher (`watch`), started right after the
-//! program, waits for it.
-
-mod watch;
+//! all processes that it started. On Unix it also ends when robovec does, which
+//! a small watcher ([`ProcessWatch`]) waits for.
 
 use std::ffi::{OsStr, OsString};
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::OnceLock;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
-use watch::ProcessWatch;
 
 /// Limits of time and output.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -38,8 +33,7 @@ impl ProcessLimits {
 
 static LIMITS: OnceLock<ProcessLimits> = OnceLock::new();
 
-/// Sets the limits of all runs; for the program's beginning. A value that was
-/// set first stays.
+/// Sets the limits of all runs, at the program's start: the first value stays.
 pub fn set_limits(limits: ProcessLimits) {
     let _ = LIMITS.set(limits);
 }
@@ -47,12 +41,10 @@ pub fn set_limits(limits: ProcessLimits) {
 /// Time between two looks at a program.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Time in which the output must end after the program itself: processes that
-/// it left running keep it open.
+/// Time for the end of the output after a program: children keep it open.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Reason why a program did not do its work. The program's own output is in
-/// [`FinishedProcess`].
+/// Reason why a program did not do its work, beside [`FinishedProcess`].
 #[derive(Debug, thiserror::Error)]
 pub enum ToolError {
     /// It cannot be started.
@@ -134,8 +126,7 @@ impl ProgramCall {
         ProgramCall::new(program).arguments([argument])
     }
 
-    /// The same under another name in messages: for a shell that runs a
-    /// program, the name of the program.
+    /// The same under another name in messages: that of a shell's program.
     #[must_use]
     pub fn called(mut self, name: &str) -> ProgramCall {
         name.clone_into(&mut self.name);
@@ -183,8 +174,7 @@ impl ProgramCall {
     ///
     /// # Errors
     ///
-    /// Fails when it cannot be started or reaches a limit; all of it is then
-    /// dead.
+    /// Fails when it cannot be started or reaches a limit and is killed.
     pub fn run(&self) -> Result<FinishedProcess, ToolError> {
         let mut command = Command::new(&self.program);
         command
@@ -269,8 +259,7 @@ impl ProgramCall {
     }
 }
 
-/// Makes the program the first of a group of processes, which includes all
-/// processes that it starts.
+/// Makes the program the first of a group of all processes that it starts.
 #[cfg(unix)]
 fn own_group(command: &mut Command) {
     use std::os::unix::process::CommandExt;
@@ -330,6 +319,45 @@ impl Drop for Running {
         if !self.is_done {
             self.kill();
         }
+    }
+}
+
+/// Kills the group that its argument names, if its input ends without a line.
+const SCRIPT: &str = "read -r line || kill -s KILL -- \"-$1\" 2>/dev/null";
+
+/// A shell beside a tool, which kills the tool when robovec dies.
+///
+/// A tool runs in its own process group, so that all of it can be killed;
+/// therefore the terminal's interrupt, which is sent to robovec's group, does
+/// not reach it. The shell waits for the end of a pipe that only robovec holds
+/// open. The system closes the pipe when robovec ends without a word, and the
+/// shell kills the group; a line through the pipe sends it home.
+struct ProcessWatch(Child);
+
+impl ProcessWatch {
+    /// A watcher of a group of processes; `None` without shells or groups.
+    fn over(group: u32) -> Option<ProcessWatch> {
+        if cfg!(not(unix)) {
+            return None;
+        }
+        let mut command = Command::new("sh");
+        command
+            .args(["-c", SCRIPT, "sh", &group.to_string()])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        own_group(&mut command);
+        command.spawn().ok().map(ProcessWatch)
+    }
+}
+
+impl Drop for ProcessWatch {
+    fn drop(&mut self) {
+        if let Some(mut pipe) = self.0.stdin.take() {
+            // A watcher that is gone needs no word.
+            let _ = pipe.write_all(b"done\n");
+        }
+        let _ = self.0.wait();
     }
 }
 

@@ -1,13 +1,11 @@
-//! Cuts of loops and links: elements with two ends.
+//! Cuts of loops and links, which have two ends, and user models without any.
 
-use super::fields::{ElementFields, Messages, place};
-use super::number::number;
+use super::fields::{ElementFields, Messages, content, number, place};
 use super::scope::ModelScope;
-use crate::{Anchor, Cut, CutKind, Link, Model};
+use crate::{Anchor, Cut, CutKind, Link, Model, UserModel};
 use robovec_ir::diagnostic::clip;
 use roxmltree::Node;
 
-/// Reads cuts and links into the model.
 pub(super) fn read(
     root: &ElementFields<'_>,
     scope: &ModelScope,
@@ -159,5 +157,41 @@ fn name_and_ends(
     match ends {
         [Some(first), Some(second)] => (name, Some([first, second])),
         _ => (name, None),
+    }
+}
+
+/// Reads parameters of the user's functions; no equation depends on them.
+pub(super) fn read_user_models(
+    root: &ElementFields<'_>,
+    model: &mut Model,
+    messages: &mut Messages,
+) {
+    let Some(models) = root.one("user_models") else {
+        return;
+    };
+    for node in ElementFields::of(models, &[], &["user_model"], messages).all() {
+        let fields = ElementFields::of(node, &["name"], &["parameter"], messages);
+        let name = fields.name("name", "a user model", messages);
+        let parameters = fields
+            .many("parameter")
+            .map(|node| {
+                let one = ["name", "type", "structure", "header"];
+                let fields = ElementFields::of(node, &one, &["value"], messages);
+                let owner = format!("a parameter of user model '{}'", clip(&name));
+                let parameter = fields.name("name", &owner, messages);
+                let owner = format!(
+                    "parameter '{}' of user model '{}'",
+                    clip(&parameter),
+                    clip(&name)
+                );
+                let kind = fields.one("type").map(content).unwrap_or_default();
+                let values = fields
+                    .many("value")
+                    .map(|value| number(value, &owner, messages))
+                    .collect();
+                (parameter, kind, values)
+            })
+            .collect();
+        model.user_models.push(UserModel { name, parameters });
     }
 }

@@ -1,7 +1,7 @@
 //! Contents of elements, and messages about wrong ones.
 
-use crate::xml::stem;
 pub(super) use crate::xml::{Messages, content, place, second};
+use crate::xml::{parse_number, stem};
 use robovec_ir::diagnostic::{clip, did_you_mean};
 use roxmltree::Node;
 use std::ops::Range;
@@ -13,8 +13,7 @@ pub(super) struct ElementFields<'a> {
     children: Vec<Node<'a, 'a>>,
 }
 
-/// Elements with nothing but drawings, and old declarations that mean nothing
-/// to the equations.
+/// Elements with drawings alone, and old declarations without any effect.
 const IGNORED: [&str; 6] = [
     "graphics",
     "x3D",
@@ -41,8 +40,7 @@ impl<'a> ElementFields<'a> {
             if many.contains(&name) {
                 children.push(child);
             } else if one.contains(&name) {
-                // At most one of each is in this list, so that searching it
-                // takes no time.
+                // At most one of each is in this list, which is short.
                 match single.iter().find(|other| other.tag_name().name() == name) {
                     None => {
                         single.push(child);
@@ -108,8 +106,7 @@ impl<'a> ElementFields<'a> {
         self.many(name).next()
     }
 
-    /// Place where the child of this name is, for a message. The child must be
-    /// there, as one is whose content was read.
+    /// Place of the child of this name, whose content was read, for a message.
     pub(super) fn place_of(&self, name: &str) -> Range<usize> {
         place(self.one(name).expect("a field that was read is there"))
     }
@@ -166,8 +163,7 @@ impl<'a> ElementFields<'a> {
     }
 }
 
-/// The name of the project, which is also the suffix of the files of
-/// equations.
+/// Name of the project, also the suffix of the files of equations.
 pub(super) fn project_name(
     root: &ElementFields<'_>,
     file: &str,
@@ -193,4 +189,57 @@ pub(super) fn project_name(
         );
     }
     name
+}
+
+/// The number in an element; zero, with an error, when there is none.
+pub(super) fn number(node: Node<'_, '_>, owner: &str, messages: &mut Messages) -> f64 {
+    let text = content(node);
+    let what = node.tag_name().name();
+    match parse_number(&text) {
+        Ok(number) => number,
+        Err(refusal) => {
+            let message = format!("`{what}` of {owner}{}", refusal.message);
+            messages.error(place(node), &message, refusal.label, refusal.help);
+            0.0
+        }
+    }
+}
+
+/// The numbers of the named children of an element; absent ones are zero.
+pub(super) fn numbers<const N: usize>(
+    node: Option<Node<'_, '_>>,
+    names: [&str; N],
+    owner: &str,
+    messages: &mut Messages,
+) -> [f64; N] {
+    let mut numbers = [0.0; N];
+    if let Some(node) = node {
+        let fields = ElementFields::of(node, &names, &[], messages);
+        for (place, name) in numbers.iter_mut().zip(names) {
+            if let Some(child) = fields.one(name) {
+                *place = number(child, owner, messages);
+            }
+        }
+    }
+    numbers
+}
+
+/// The triple in the `coordinates` of an element.
+pub(super) fn coordinates(
+    fields: &ElementFields<'_>,
+    owner: &str,
+    messages: &mut Messages,
+) -> [f64; 3] {
+    match fields.one("coordinates") {
+        node @ Some(_) => numbers(node, ["x", "y", "z"], owner, messages),
+        None => {
+            messages.error(
+                place(fields.node),
+                &format!("{owner} has no coordinates"),
+                "in this element",
+                "add `<coordinates><x>0</x><y>0</y><z>0</z></coordinates>`",
+            );
+            [0.0; 3]
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Joints.
 
+use super::fields::numbers;
 use super::fields::{ElementFields, Messages, place, second};
-use super::number::numbers;
 use super::scope::body_title;
 use crate::{Joint, JointKind, JointMounting, Model, Nature};
 use robovec_ir::diagnostic::{clip, did_you_mean};
@@ -52,8 +52,7 @@ pub(super) fn read_joint(
     }
 }
 
-/// The value of a word out of a short list; the first one, with an error, for
-/// any other word.
+/// The value of a word of a list; the first one, with an error, for any other.
 fn word<T: Copy, const N: usize>(
     fields: &ElementFields<'_>,
     field: &str,
@@ -106,8 +105,7 @@ fn symbols(
     (true, true)
 }
 
-/// Refuses two joints of one name: the user's functions find joints by their
-/// names.
+/// Refuses two joints of one name: the user's functions find joints by it.
 pub(super) fn repeated_joints(
     bodies: &[ElementFields<'_>],
     model: &Model,

@@ -1,5 +1,4 @@
-//! The reader and the writer of `.mbs` files, the XML in which Robotran's
-//! editor keeps a model.
+//! The reader and the writer of `.mbs` files, the XML of Robotran's editor.
 //!
 //! A file passes through [`super::xml`] (bytes to a tree, with guards against
 //! hostile files), [`fields`] (the fields of an element, and messages about
@@ -16,11 +15,8 @@ mod bodies;
 mod ends;
 mod fields;
 mod joints;
-mod number;
 mod points;
 mod scope;
-mod tree;
-mod user;
 mod write;
 
 use super::{Model, physics, reading, xml};
@@ -30,8 +26,7 @@ use robovec_robotran::conventions::JOINTS;
 pub use super::reading::{ModelError, ReadModel};
 pub use write::{unsayable, write_mbs};
 
-/// The limits of a model: name, limit, and what it is when the model does not
-/// state.
+/// The limits of a model: name, limit, and the default.
 pub const FIELDS: &[(&str, NumberLimit, &str)] =
     &[("joint", JOINTS, ""), ("any number", xml::NUMBER, "0")];
 
@@ -42,8 +37,7 @@ const KIND: xml::DocumentKind = xml::DocumentKind {
     first: "a model is a `.mbs` file, whose first element is `<mbsDescR7>`",
 };
 
-/// Reads a `.mbs` file. The name serves messages, and names a model that has
-/// no name.
+/// Reads a `.mbs` file; `name` is for messages and for a model without one.
 ///
 /// # Errors
 ///
@@ -59,8 +53,7 @@ pub fn read_mbs(name: &str, bytes: &[u8]) -> Result<ReadModel, ModelError> {
     })
 }
 
-/// The model of a document; `None`, with errors among the messages, when
-/// there is none.
+/// The model of a document; `None` with errors among the messages.
 fn read_document(
     name: &str,
     document: &roxmltree::Document<'_>,
@@ -70,7 +63,7 @@ fn read_document(
     let mut model = Model::new(&fields::project_name(&root, name, messages));
     let scope = bodies::read(&root, &mut model, messages)?;
     ends::read(&root, &scope, &mut model, messages);
-    user::read(&root, &mut model, messages);
+    ends::read_user_models(&root, &mut model, messages);
     if messages.has_errors() {
         return None;
     }

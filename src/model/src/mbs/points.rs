@@ -1,7 +1,7 @@
 //! Points, and the sensors and external forces on them.
 
+use super::fields::coordinates;
 use super::fields::{ElementFields, Messages, place};
-use super::number::coordinates;
 use super::scope::ModelScope;
 use crate::{Asks, Model, ModelPoint, Sensor};
 use robovec_ir::diagnostic::{clip, did_you_mean};

@@ -25,15 +25,13 @@ pub(super) struct ModelScope {
     /// The index of the point of each name of a body, or of the base where the
     /// body is `None`. A body's own origin is no point and not in here.
     pub(super) points: FxHashMap<(Option<usize>, String), usize>,
-    /// Place where each body's name is written, in bytes of the file, by the
-    /// index of the body.
+    /// Place of each body's name, in bytes of the file, by the body's index.
     pub(super) body_places: Vec<Range<usize>>,
 }
 
 impl ModelScope {
     /// The anchor that the children `bodyname` and `pointname` of an element
-    /// name; `None`, with an error among the messages, when there is none.
-    /// Messages call the element `owner`.
+    /// (`owner` in messages) name; `None`, with an error, without one.
     pub(super) fn anchor(
         &self,
         fields: &ElementFields<'_>,

@@ -82,7 +82,6 @@ struct ModelWriter {
     depth: usize,
 }
 
-/// Text between tags or quotes.
 fn escaped(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for character in text.chars() {

@@ -1,5 +1,4 @@
-//! Attributes and children of elements, and messages about those that are
-//! missing, repeated or no numbers.
+//! Attributes and children of elements, and messages about faults in them.
 
 use crate::rotation::{FramePose, Rotation3, to_right_angle};
 use crate::xml::{Messages, parse_number, place, second};
@@ -150,8 +149,7 @@ pub(super) fn required(
     number_or(node, attribute, 0.0, owner, messages)
 }
 
-/// Numbers in an attribute; `None` where it is missing, and with an error for
-/// any other text.
+/// Numbers in an attribute; `None` where it is missing or (an error) wrong.
 pub(super) fn numbers(
     node: Node<'_, '_>,
     attribute: &str,
@@ -173,8 +171,7 @@ pub(super) fn numbers(
     Some(values)
 }
 
-/// Three numbers in an attribute; `default` where it is missing, and an error
-/// for any other text.
+/// Three numbers in an attribute; by default `default`, else an error.
 pub(super) fn triple(
     node: Node<'_, '_>,
     attribute: &str,

@@ -179,8 +179,7 @@ impl RobotBuilder<'_> {
         }
     }
 
-    /// A body on one joint; its frame is that of the body before, except for
-    /// the constant rotations that the axis needs.
+    /// A body on one joint, turned from the body before as the axis needs.
     fn single(&mut self, joint: &JointElement, frame: &LinkPlace) -> LinkPlace {
         let AxisFrame {
             mounting,
@@ -210,9 +209,8 @@ impl RobotBuilder<'_> {
         }
     }
 
-    /// Adds a rotor to each direction of the free body that was added last. About
-    /// its axes they turn as the body itself does: three equal moments of
-    /// inertia have no gyroscopic effect.
+    /// Adds a rotor to each direction of the free body that was added last.
+    /// They turn as the body does: equal moments have no gyroscopic effect.
     fn turn_rotors(&mut self, armature: f64) {
         let body = self.model.bodies.last().expect("it was added");
         for joint in &mut self.model.joints[body.joints.clone()][..3] {

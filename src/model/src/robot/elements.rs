@@ -108,10 +108,8 @@ pub(super) struct ClosureElement {
     pub(super) ends: [(usize, FramePose); 2],
 }
 
-/// A frame that is named.
 pub(super) struct FrameElement {
     pub(super) name: String,
-    /// Link, by index.
     pub(super) link: usize,
     pub(super) pose: FramePose,
 }
@@ -124,7 +122,6 @@ pub(super) struct MimicElement {
     pub(super) place: Range<usize>,
 }
 
-/// Title of a joint in messages.
 pub(super) fn joint_title(name: &str) -> String {
     format!("joint '{}'", clip(name))
 }

@@ -1,5 +1,4 @@
-//! The frame of a joint: the minimum number of constant rotations after which
-//! its axis is an axis of the frame.
+//! The frame of a joint: the fewest constant rotations to its axis.
 
 use crate::rotation::{Point3, Rotation3};
 use crate::{Axis, ConstantTurn, JointMounting};

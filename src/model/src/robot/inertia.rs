@@ -13,7 +13,6 @@ pub(super) struct LinkInertial {
     pub(super) place: Range<usize>,
 }
 
-/// Inertia of a body, in its own frame.
 #[derive(Clone, Copy)]
 pub(super) struct BodyInertia {
     pub(super) mass: f64,
@@ -29,8 +28,7 @@ impl BodyInertia {
         inertia: [0.0; 6],
     };
 
-    /// Inertia of a link, in the frame of the body that it belongs to with a
-    /// pose.
+    /// Inertia of a link, in the frame of the body that it is on with a pose.
     pub(super) fn of_link(link: &LinkInertial, pose: &FramePose) -> BodyInertia {
         let frame = pose.then(&link.origin);
         BodyInertia {
@@ -76,7 +74,6 @@ impl BodyInertia {
         }
     }
 
-    /// The moments of inertia about a point.
     fn about(&self, point: [f64; 3]) -> [f64; 6] {
         let [x, y, z] = add(self.center, scaled(point, -1.0));
         let [xx, xy, xz, yy, yz, zz] = self.inertia;

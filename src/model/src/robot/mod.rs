@@ -5,8 +5,7 @@
 //! joints with their places, and from there on one way: [`tree`] (links and
 //! joints in the order from the base), [`couplings`] (joints that follow
 //! others), [`frames`] (the frame of each moving body) and [`bodies`] (the
-//! model). Drawings, materials, collisions and extensions of simulators are
-//! skipped.
+//! model). Drawings, materials, collisions and extensions are skipped.
 //!
 //! Frames of bodies are chosen, not copied: the frame of a body is that of the
 //! body it is attached to, where all joints are at zero, unless the axis of its
@@ -35,8 +34,7 @@ pub use mjcf::with_includes;
 /// Base of a robot.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum RobotBase {
-    /// The first link is at rest, as URDF defines, and free joints are those of
-    /// the file.
+    /// The first link is at rest, as URDF defines; free joints are the file's.
     #[default]
     Fixed,
     /// The first link of a URDF file moves freely, by six joints: three
@@ -51,8 +49,7 @@ pub struct RobotReading {
     pub base: RobotBase,
     /// Largest distance from a multiple of a right angle at which an angle of
     /// the file is taken as one, rad: many files write `1.57079632679`, and
-    /// constant rotations that are nearly right cost operations that right ones
-    /// do not.
+    /// nearly right rotations cost operations that right ones do not.
     pub right_angle: f64,
 }
 
@@ -72,8 +69,7 @@ const KIND: xml::DocumentKind = xml::DocumentKind {
     first: "the first element of a URDF file is `<robot>`, of an MJCF file `<mujoco>`",
 };
 
-/// Reads a URDF or MJCF file. The name serves messages, and names a robot that
-/// has no other name.
+/// Reads a URDF or MJCF file; `name` is for messages and nameless robots.
 ///
 /// # Errors
 ///
@@ -94,8 +90,7 @@ pub fn read_robot(
     })
 }
 
-/// The model of a document; `None`, with errors among the messages, when there
-/// is none.
+/// The model of a document; `None` with errors among the messages.
 fn read_document(
     name: &str,
     document: &roxmltree::Document<'_>,

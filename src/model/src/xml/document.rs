@@ -1,5 +1,4 @@
-//! From bytes to a tree of elements, with guards before and messages after
-//! the XML library.
+//! From bytes to a tree of elements: guards and messages of the XML library.
 //!
 //! The library neither recurses over nested elements nor expands entities
 //! (document types are refused). It compares the attributes of one element with
@@ -11,8 +10,7 @@ use roxmltree::{Document, Error, ParsingOptions, TextPos};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Files beyond this size are refused. The largest public model has 150 kB,
-/// drawings included.
+/// Files beyond this size are refused; the largest public model has 150 kB.
 const LARGEST_FILE: usize = 16 << 20;
 
 /// The maximum number of equals signs, hence attributes, of one tag.
@@ -155,8 +153,7 @@ fn after(text: &str, at: usize) -> usize {
     text.ceil_char_boundary(at + 1)
 }
 
-/// The byte of the library's line and column, both from 1, the column in
-/// characters.
+/// The byte of a line and a column (in characters), both from 1.
 fn byte_at(text: &str, position: TextPos) -> usize {
     let before = (position.row as usize).saturating_sub(1);
     let lines = text.split_inclusive('\n').take(before);

@@ -1,13 +1,14 @@
 //! Messages about a file of a model, and their places.
 
-use robovec_ir::diagnostic::{Diagnostic, Label};
+use robovec_ir::diagnostic::{Diagnostic, Label, clip};
+use robovec_num::decimal::is_lost;
+use robovec_num::limits::{Amount, NumberLimit};
 use roxmltree::Node;
 use std::ops::Range;
 
 /// No more errors, and no more warnings, than this are reported for one file.
 const LIMIT: usize = 20;
 
-/// Messages about a file.
 #[derive(Default)]
 pub(crate) struct Messages {
     errors: Vec<Diagnostic>,
@@ -51,12 +52,10 @@ impl Messages {
         }
     }
 
-    /// Adds an error about a place.
     pub(crate) fn error(&mut self, range: Range<usize>, message: &str, label: &str, help: &str) {
         self.push_error(diagnostic(range, message, label, help));
     }
 
-    /// Adds a warning about a place.
     pub(crate) fn warn(&mut self, range: Range<usize>, message: &str, label: &str, help: &str) {
         if self.warnings.len() < LIMIT {
             let mut warning = diagnostic(range, message, label, help);
@@ -85,8 +84,7 @@ impl Messages {
         }
     }
 
-    /// The warnings about elements that no equation contains, which are
-    /// separate from the others.
+    /// Separates the warnings about elements that no equation contains.
     pub(crate) fn take_left_out(&mut self) -> Vec<Diagnostic> {
         let mut all = std::mem::take(&mut self.left_out);
         if self.more_left_out > 0 {
@@ -98,8 +96,7 @@ impl Messages {
         all
     }
 
-    /// False when further errors are only counted, so that there is no point in
-    /// searching for advice.
+    /// False when further errors are only counted, so that advice is useless.
     pub(crate) fn has_room(&self) -> bool {
         self.errors.len() < LIMIT
     }
@@ -132,8 +129,7 @@ impl Messages {
     }
 }
 
-/// Place where an element is, for a message: its text when that is all it
-/// holds, else its opening tag up to its name.
+/// Place of an element for a message: its text, or its opening tag.
 pub(crate) fn place(node: Node<'_, '_>) -> Range<usize> {
     let text = node.children().find(|child| child.is_text());
     if let Some(text) = text
@@ -159,4 +155,74 @@ pub(crate) fn content(node: Node<'_, '_>) -> String {
         text.push_str(piece.text().expect("a text node has a text"));
     }
     text.trim().to_owned()
+}
+
+/// The numbers of a model, in SI units.
+pub(crate) const NUMBER: NumberLimit = NumberLimit::real(
+    -1e30,
+    1e30,
+    "products of such numbers must be numbers of binary64",
+);
+
+/// Reason why a text is no number of a model.
+pub(crate) struct NumberRefusal {
+    /// Fault, to follow the name of its subject.
+    pub(crate) message: String,
+    /// Label of the place.
+    pub(crate) label: &'static str,
+    /// Advice.
+    pub(crate) help: &'static str,
+}
+
+/// The number that a text without surrounding blanks represents.
+pub(crate) fn parse_number(text: &str) -> Result<f64, NumberRefusal> {
+    let refused = |message: String, label, help| {
+        Err(NumberRefusal {
+            message,
+            label,
+            help,
+        })
+    };
+    match text.parse::<f64>() {
+        Ok(value) if is_lost(text, value) => refused(
+            format!(" is too small: {}", clip(text)),
+            "this value",
+            "it would be read as 0",
+        ),
+        Ok(value) if NUMBER.admits(Amount::Real(value)) => Ok(value),
+        Ok(value) if value.is_finite() => refused(
+            format!(": {}", NUMBER.refusal(text)),
+            "this value",
+            "models are in SI units",
+        ),
+        Ok(value) => {
+            let kind = if value.is_nan() {
+                "not a number"
+            } else {
+                "not finite"
+            };
+            refused(
+                format!(" is {kind}"),
+                "this value",
+                "write a finite number below 1.8e308",
+            )
+        }
+        Err(_) if text.is_empty() => refused(
+            " is empty".to_owned(),
+            "no number",
+            "write a number between the tags, or remove the element where it is zero",
+        ),
+        Err(_) => {
+            let help = if text.replace(',', ".").parse::<f64>().is_ok() {
+                "write a point instead of the comma"
+            } else {
+                "write a number such as 0.5 or -1.2e-3"
+            };
+            refused(
+                format!(" is not a number: '{}'", clip(text)),
+                "this value",
+                help,
+            )
+        }
+    }
 }

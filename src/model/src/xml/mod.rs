@@ -3,11 +3,10 @@
 
 mod document;
 mod messages;
-mod number;
 
 pub(crate) use document::{DocumentKind, decode, parse};
 pub(crate) use messages::{Messages, content, diagnostic, place, second};
-pub(crate) use number::{NUMBER, parse_number};
+pub(crate) use messages::{NUMBER, parse_number};
 
 /// True for a valid name of a model: it becomes part of file names.
 pub(crate) fn is_usable(name: &str) -> bool {

@@ -18,8 +18,7 @@ struct DefaultClass<'a> {
     node: Option<Node<'a, 'a>>,
 }
 
-/// The classes of a file, each after the one it belongs to; the first one is
-/// for all elements.
+/// The classes of a file, each after its own; the first is for all elements.
 pub(super) struct Defaults<'a> {
     classes: Vec<DefaultClass<'a>>,
 }

@@ -1,4 +1,4 @@
-//! Loops: the section `equality`.
+//! Loops: the section `equality`. Tendons that no loop names are left out.
 //!
 //! | element | becomes |
 //! |---|---|
@@ -7,8 +7,8 @@
 //! | `joint` | a joint that follows another one, if the polynomial is linear |
 //! | `tendon` | the same, for a fixed tendon over two joints |
 
-use super::MjcfReader;
-use crate::robot::attributes::{numbers, place_of, triple};
+use super::{MjcfReader, children};
+use crate::robot::attributes::{number, numbers, place_of, triple};
 use crate::robot::elements::{ClosureElement, MimicElement, joint_title};
 use crate::rotation::{FramePose, Rotation3};
 use crate::xml::{Messages, is_usable, place};
@@ -16,7 +16,6 @@ use robovec_ir::diagnostic::{clip, suggestion};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
 
-/// A place on a link.
 pub(super) type LinkPoint = (usize, FramePose);
 
 impl<'a> MjcfReader<'a, '_> {
@@ -111,8 +110,7 @@ impl<'a> MjcfReader<'a, '_> {
         Some([0, 1].map(|index| given.get(index).copied().unwrap_or(0.0)))
     }
 
-    /// Lets a joint follow another one: its way from its start is the constant
-    /// and the slope times the way of the leader.
+    /// Lets a joint follow another one: constant and slope times its way.
     pub(super) fn follow(
         &mut self,
         node: Node<'a, 'a>,
@@ -209,8 +207,7 @@ impl<'a> MjcfReader<'a, '_> {
     }
 }
 
-/// The element that a name at the end of a loop refers to; `None`, with an error,
-/// if there is none of this name.
+/// The element that an end of a loop names; `None`, with an error, for none.
 fn end<T: Copy>(
     known: &FxHashMap<String, T>,
     (node, attribute): (Node<'_, '_>, &str),
@@ -234,4 +231,70 @@ fn advice<T>(known: &FxHashMap<String, T>, name: &str, noun: &str) -> String {
     let mut names: Vec<&str> = known.keys().map(String::as_str).collect();
     names.sort_unstable();
     suggestion(name, names).unwrap_or_else(|| format!("name a {noun} of the model"))
+}
+
+impl<'a> MjcfReader<'a, '_> {
+    /// Names the tendons whose forces are in no equation.
+    pub(super) fn tendons(&mut self, root: Node<'a, 'a>) {
+        let tendons = children(root, "tendon").flat_map(|section| section.children());
+        for tendon in tendons.filter(Node::is_element) {
+            for attribute in ["stiffness", "damping", "frictionloss", "armature"] {
+                let value = number(tendon, attribute, "the tendon", self.messages);
+                if value.is_some_and(|value| value != 0.0) {
+                    self.messages.leave_out(
+                        place_of(tendon, attribute),
+                        "the forces of a tendon are in no equation",
+                        "passed over",
+                        "add them to the forces of the joints",
+                    );
+                    break;
+                }
+            }
+        }
+    }
+
+    /// An equality of a fixed tendon over two joints: one follows the other.
+    pub(super) fn tendon_equality(&mut self, node: Node<'a, 'a>) {
+        let name = node.attribute("tendon1").map(str::trim).unwrap_or_default();
+        let root = node.document().root_element();
+        let mut tendons = children(root, "tendon").flat_map(|section| section.children());
+        let found = tendons.find(|tendon| tendon.attribute("name").map(str::trim) == Some(name));
+        let joints: Vec<Node<'a, 'a>> = match found {
+            Some(tendon) if tendon.tag_name().name() == "fixed" => {
+                children(tendon, "joint").collect()
+            }
+            _ => Vec::new(),
+        };
+        let is_simple = !node.has_attribute("tendon2");
+        let (&[one, other], true) = (joints.as_slice(), is_simple) else {
+            self.messages.error(
+                place(node),
+                &format!("the equality of tendon '{}' is not supported", clip(name)),
+                "only that of one fixed tendon over two joints is",
+                "write it as an equality of joints, or remove it",
+            );
+            return;
+        };
+        let ends = [one, other].map(|end| {
+            let name = end.attribute("joint").map(str::trim).unwrap_or_default();
+            let coefficient = number(end, "coef", "the tendon", self.messages).unwrap_or(0.0);
+            (self.named_joint(end, "joint", name), coefficient)
+        });
+        let [(Some(follower), own), (Some(leader), others)] = ends else {
+            return;
+        };
+        if own == 0.0 {
+            self.messages.error(
+                place_of(one, "coef"),
+                "the first joint of a tendon of an equality has no coefficient",
+                "it could not follow the second one",
+                "write a coefficient other than zero",
+            );
+            return;
+        }
+        // own (q - start) + others (p - before) is the constant of the polynomial.
+        if let Some([constant, _]) = self.polynomial(node) {
+            self.follow(node, (follower, leader), [constant / own, -others / own]);
+        }
+    }
 }

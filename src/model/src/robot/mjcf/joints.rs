@@ -11,8 +11,7 @@ use robovec_ir::diagnostic::clip;
 pub(super) type BeforeJoint = (usize, FramePose);
 
 impl<'a> MjcfReader<'a, '_> {
-    /// Adds a joint and the link it moves; `pose` is that of the body on its
-    /// parent.
+    /// Adds a joint and the link it moves; `pose` is the body's on its parent.
     pub(super) fn joint(
         &mut self,
         joint: &Inner<'a>,

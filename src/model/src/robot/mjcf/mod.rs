@@ -4,9 +4,8 @@
 //! several joints becomes as many links in series. Read are bodies, frames,
 //! joints, inertias (also those of geoms that are no meshes), defaults,
 //! `equality` of kinds connect, weld, joint and tendon ([`equality`]), gravity
-//! and the motors of joints; contacts, sensors and drawings are skipped. What
-//! would change the equations and is not supported is an error, forces that
-//! are in no equation are named as left out.
+//! and the motors of joints; contacts, sensors and drawings are skipped.
+//! Unsupported changes of equations are errors, forces in none are named.
 //!
 //! The state of the file is the one of its positions `ref`, as MuJoCo defines.
 //!
@@ -15,24 +14,21 @@
 mod defaults;
 mod equality;
 mod geoms;
-mod include;
 mod inertial;
 mod joints;
 mod places;
 mod settings;
-mod tendons;
 
 use self::defaults::{ClassIndex, Defaults, MAIN};
-pub use self::include::with_includes;
 use self::settings::MjcfSettings;
 use crate::robot::attributes::place_of;
 use crate::robot::elements::{
     FrameElement, JointElement, LinkElement, RobotElements, RobotJointKind,
 };
 use crate::rotation::FramePose;
-use crate::xml::{Messages, is_usable, place, second, stem};
+use crate::xml::{self, Messages, is_usable, place, second, stem};
 use robovec_ir::diagnostic::clip;
-use roxmltree::Node;
+use roxmltree::{Document, Node};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::ops::Range;
 
@@ -59,7 +55,6 @@ struct MjcfReader<'a, 'm> {
     names: [FxHashMap<String, Range<usize>>; 3],
     /// All names of the file.
     given: FxHashSet<&'a str>,
-    /// Names of loops.
     loops: FxHashSet<String>,
 }
 
@@ -145,7 +140,6 @@ pub(in crate::robot) fn read<'a>(
     (!reader.messages.has_errors()).then_some(reader.robot)
 }
 
-/// The children of an element with a name.
 fn children<'a>(node: Node<'a, 'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
     let children = node.children();
     children.filter(move |child| child.tag_name().name() == name)
@@ -177,8 +171,7 @@ impl<'a> MjcfReader<'a, '_> {
         }
     }
 
-    /// The elements of a body, those of frames included, in the order of the
-    /// file.
+    /// Elements of a body, those of frames included, in the order of the file.
     fn contents(&mut self, node: Node<'a, 'a>, class: ClassIndex) -> Vec<Inner<'a>> {
         let mut found = Vec::new();
         let mut pending = vec![Inner {
@@ -365,4 +358,53 @@ fn bodies_of<'a>(inner: &[Inner<'a>], parent: usize) -> Vec<(Inner<'a>, usize)> 
         .rev()
         .filter(|inner| inner.node.tag_name().name() == "body");
     bodies.map(|body| (*body, parent)).collect()
+}
+
+/// The most files that one file includes, those of included files counted.
+const LIMIT: usize = 100;
+
+/// The file with the elements of included files in their place. Each is on the
+/// line of its `include`, so that messages name the lines of the file itself.
+/// `read` gets the names as they are written, which MuJoCo takes relative to
+/// the folder of the first file. What is no XML, and includes beyond the
+/// hundredth, are left as they are, for the reader to refuse.
+pub fn with_includes<E>(
+    bytes: Vec<u8>,
+    mut read: impl FnMut(&str) -> Result<Vec<u8>, E>,
+) -> Result<Vec<u8>, E> {
+    let Ok(text) = xml::decode(&bytes) else {
+        return Ok(bytes);
+    };
+    let mut text = text.into_owned();
+    for _ in 0..LIMIT {
+        let Some((place, file)) = first(&text) else {
+            break;
+        };
+        let included = read(&file)?;
+        let Some(inside) = elements(&included) else {
+            break;
+        };
+        text.replace_range(place, &inside);
+    }
+    Ok(text.into_bytes())
+}
+
+/// The first `include` of a file: its place, and the file it names.
+fn first(text: &str) -> Option<(Range<usize>, String)> {
+    if !text.contains("<include") {
+        return None;
+    }
+    let document = Document::parse(text).ok()?;
+    let is_include = |node: &Node<'_, '_>| node.has_tag_name("include");
+    let node = document.descendants().find(is_include)?;
+    Some((node.range(), node.attribute("file")?.trim().to_owned()))
+}
+
+/// The text inside of the first element of a file, on one line.
+fn elements(bytes: &[u8]) -> Option<String> {
+    let text = xml::decode(bytes).ok()?;
+    let document = Document::parse(&text).ok()?;
+    let root = document.root_element();
+    let inside = root.first_child()?.range().start..root.last_child()?.range().end;
+    Some(text[inside].replace(['\n', '\r'], " "))
 }

@@ -15,7 +15,6 @@ pub(super) enum InertiaSource {
     Inertial,
 }
 
-/// Settings of a file.
 pub(super) struct MjcfSettings {
     pub(super) gravity: [f64; 3],
     /// Radians of a unit of angle.

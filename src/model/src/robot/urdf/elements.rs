@@ -1,15 +1,24 @@
 //! Elements of a URDF file.
+//!
+//! The inertia of a rotor, felt through its gear, is `armature` of `dynamics`,
+//! or, as in Drake, given by rotor and gear in a transmission:
+//!
+//! ```text
+//! <transmission name="t"><joint name="hinge"/><actuator name="motor">
+//!   <drake:rotor_inertia value="1e-5"/><drake:gear_ratio value="100"/>
+//! </actuator></transmission>
+//! ```
 
-use super::inertial::read_inertial;
-use super::rotors;
 use crate::JointLaw;
 use crate::robot::attributes::{
-    children, name, number, number_or, place_in, place_of, read_pose, remark_unknown, triple,
+    children, name, number, number_or, place_in, place_of, read_pose, remark_unknown, required,
+    triple, value_of,
 };
 use crate::robot::elements::{
     FrameElement, JointElement, LinkElement, MimicElement, RobotElements, RobotJointKind,
     joint_title,
 };
+use crate::robot::inertia::LinkInertial;
 use crate::rotation::{FramePose, unit};
 use crate::xml::{Messages, is_usable, place, second, stem};
 use robovec_ir::diagnostic::{clip, suggestion};
@@ -88,7 +97,7 @@ pub(in crate::robot) fn read(
         }
         joints.push(joint);
     }
-    rotors::add(of("transmission"), &mut joints, messages);
+    add(of("transmission"), &mut joints, messages);
     let frames = links
         .iter()
         .enumerate()
@@ -186,8 +195,7 @@ fn children_of_link<'a>(node: Node<'a, 'a>, messages: &mut Messages) -> [Option<
     found
 }
 
-/// The link that a child of a joint names; `None`, with an error, when there
-/// is none.
+/// The link that a child of a joint names; `None` with an error.
 fn end(
     joint: Node<'_, '_>,
     child: Option<Node<'_, '_>>,
@@ -367,8 +375,7 @@ fn read_limits(
     Some(limits)
 }
 
-/// Damping and friction, and the inertia of the rotor, of joints that move along
-/// or about one axis.
+/// Damping, friction and rotor inertia of joints along or about one axis.
 fn read_dynamics(
     node: Node<'_, '_>,
     kind: Option<RobotJointKind>,
@@ -404,4 +411,92 @@ fn read_dynamics(
         "only joints about or along one axis have damping, friction and armature",
     );
     Default::default()
+}
+
+/// Adds the rotors of transmissions to the joints they move.
+pub(super) fn add<'a>(
+    transmissions: impl Iterator<Item = Node<'a, 'a>>,
+    joints: &mut [JointElement],
+    messages: &mut Messages,
+) {
+    for transmission in transmissions {
+        let find = |tag: &str| {
+            let mut all = transmission.descendants();
+            all.find(|node| node.tag_name().name() == tag)
+        };
+        let (Some(rotor), Some(joint)) = (find("rotor_inertia"), find("joint")) else {
+            continue;
+        };
+        let title = "the rotor of a transmission";
+        let inertia = required(rotor, "value", title, messages);
+        let ratio = match find("gear_ratio") {
+            Some(gear) => required(gear, "value", "the gear of a transmission", messages),
+            None => 1.0,
+        };
+        let Some(moved) = name(joint, "name", "the joint of a transmission", messages) else {
+            continue;
+        };
+        let Some(moved) = joints.iter_mut().find(|joint| joint.name == moved) else {
+            messages.error(
+                place_of(joint, "name"),
+                &format!(
+                    "a transmission moves {}, which is not there",
+                    joint_title(&moved)
+                ),
+                "no joint of the robot",
+                "name a joint of the robot, or remove the transmission",
+            );
+            continue;
+        };
+        if !moved.kind.has_axis() || inertia < 0.0 {
+            messages.warn(
+                place_of(rotor, "value"),
+                &format!("{title} is left out: {}", clip(&moved.name)),
+                "passed over",
+                "an inertia is positive, and its joint moves about or along one axis",
+            );
+            continue;
+        }
+        moved.armature += inertia * ratio * ratio;
+    }
+}
+
+pub(super) fn read_inertial(
+    node: Node<'_, '_>,
+    (title, right_angle): (&str, f64),
+    messages: &mut Messages,
+) -> LinkInertial {
+    let [origin, mass, inertia] = children(node, ["origin", "mass", "inertia"], messages);
+    let value = value_of(node, mass, ("mass", title), messages);
+    if value < 0.0 {
+        let at = place_in(node, mass, "value");
+        messages.error(
+            at,
+            &format!("the mass of {title} is negative"),
+            "this mass",
+            "a mass is zero or positive, in kilograms",
+        );
+    }
+    let entries = match inertia {
+        Some(inertia) => {
+            let owner = format!("the inertia of {title}");
+            ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]
+                .map(|entry| required(inertia, entry, &owner, messages))
+        }
+        None => {
+            messages.error(
+                place(node),
+                &format!("{title} has no `inertia`"),
+                "in this element",
+                "add `<inertia ixx=\"…\" ixy=\"0\" ixz=\"0\" iyy=\"…\" iyz=\"0\" izz=\"…\"/>`",
+            );
+            [0.0; 6]
+        }
+    };
+    LinkInertial {
+        mass: value,
+        origin: read_pose(origin, (title, right_angle), messages),
+        inertia: entries,
+        place: inertia.map_or(place(node), place),
+    }
 }
