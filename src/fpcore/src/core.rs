@@ -12,13 +12,10 @@ pub(super) struct Core {
     /// The name its function gets, unlike that of every other core.
     pub(super) name: String,
     pub(super) arguments: Vec<u32>,
-    /// Properties with their values.
     pub(super) properties: Vec<(u32, u32)>,
-    /// The expression.
     pub(super) body: u32,
 }
 
-/// The cores of a text.
 pub(super) fn cores(forest: &Forest<'_>) -> Result<Vec<Core>, Vec<Diagnostic>> {
     let (mut cores, mut taken) = (Vec::new(), TakenNames::default());
     for &root in &forest.roots {
@@ -82,7 +79,6 @@ fn property(forest: &Forest<'_>, properties: &[(u32, u32)], name: &str) -> Optio
 }
 
 impl Core {
-    /// The value of a property.
     pub(super) fn property(&self, forest: &Forest<'_>, name: &str) -> Option<u32> {
         property(forest, &self.properties, name)
     }

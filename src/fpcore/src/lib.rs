@@ -1,10 +1,9 @@
 //! FPCore, the format in which tools that bound rounding errors exchange
 //! problems (FPBench, <https://fpbench.org/spec/fpcore-2.0.html>).
 //!
-//! A core is a function of scalars with one result. Straight-line code over the
-//! operations of the representation is read; branches, loops, tensors and other
-//! functions are refused, with their places. The writer is a target of the pass
-//! `codegen`.
+//! A core is a function of scalars with one result. Straight-line code of known
+//! operations is read; branches, loops, tensors and other functions are
+//! refused, with their places. The writer is a target of the pass `codegen`.
 //!
 //! **Invariant.** Nesting costs memory, not stack: parentheses are read into
 //! an arena, and expressions are walked with their own stack.
@@ -32,13 +31,11 @@ const NAMES: usize = 100;
 /// A core that was read.
 #[derive(Debug)]
 pub struct ReadCore {
-    /// One function at the equations level with scalar inputs and the output
-    /// `result`.
+    /// One function of equations, with scalar inputs and the output `result`.
     pub module: Module,
     /// Ranges of the inputs by `:pre`.
     pub ranges: Ranges,
-    /// The format of `:precision`, binary64 when it is absent; `None` for real
-    /// numbers.
+    /// The format of `:precision`, else binary64; `None` for real numbers.
     pub format: Option<Format>,
     /// Parts that were left out.
     pub warnings: Report,

@@ -10,7 +10,6 @@ use robovec_ir::{Format, Function, Level, Operation, Shape, Symbol, Tables};
 use robovec_robotran::LineIndex;
 use std::collections::BTreeMap;
 
-/// A core as a function.
 pub(super) struct LoweredCore {
     pub(super) function: Function,
     /// The inputs by the names they have in the file.
@@ -19,7 +18,6 @@ pub(super) struct LoweredCore {
 
 /// Remaining work; the last entry comes first.
 enum Step<'text> {
-    /// Read an expression.
     Read(u32),
     /// Make an operation of the terms read last.
     Apply(Operation),
@@ -297,7 +295,6 @@ impl<'text> CoreLowering<'_, 'text, '_> {
         }
     }
 
-    /// Plans an operation.
     fn operation(&mut self, tree: u32, name: &str, operands: &[u32]) -> bool {
         let operation = match (name, operands.len()) {
             ("+", 2) => Operation::Add,

@@ -4,13 +4,11 @@ use robovec_num::decimal::is_lost;
 use robovec_num::hexadecimal;
 use std::f64::consts;
 
-/// Value of a literal.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum CoreLiteral {
     /// The nearest number of binary64.
     Number(f64),
-    /// The nearest number of binary64 to a decimal of more digits than
-    /// binary64 distinguishes.
+    /// The nearest number of binary64 to a decimal of too many digits.
     Long(f64),
     /// A number that binary64 does not hold.
     TooLarge,

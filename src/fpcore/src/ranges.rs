@@ -17,8 +17,7 @@ enum ComparedSide<'a> {
     Variable(&'a str),
 }
 
-/// The ranges of the arguments, which are given by their names in the file
-/// with the names of their inputs.
+/// The ranges of the arguments, which their names in the file give.
 pub(super) fn ranges(
     forest: &Forest<'_>,
     core: &Core,
@@ -126,8 +125,7 @@ fn read<'a>(
             None => number(atom).map(ComparedSide::Number),
         };
     }
-    // An expression of numbers; its rounding moves an end by half a unit in
-    // the last place.
+    // Its rounding moves an end by half a unit in the last place.
     let [operation, operands @ ..] = forest.elements(tree) else {
         return None;
     };

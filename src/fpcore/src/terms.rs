@@ -1,9 +1,8 @@
 //! Expressions on their way into a function.
 //!
-//! In the text a binding may be inside an expression; in a function every
-//! definition comes before the expressions that read it. So expressions are
-//! kept here until the core is read, and every bound one becomes a definition
-//! in their order.
+//! In the text a binding may be inside an expression; in a function definitions
+//! come before their readers. So expressions are kept here until the core is
+//! read, and bound ones become definitions in their order.
 
 use robovec_ir::parenthesised::Forest;
 use robovec_ir::{
@@ -16,7 +15,6 @@ use robovec_robotran::{LineIndex, SourceSpan};
 pub(super) enum Term {
     /// An argument.
     Input(u32),
-    /// A number.
     Number(f64),
     /// An operation on earlier terms.
     Node {
@@ -34,7 +32,6 @@ struct BoundTerm {
     tree: u32,
 }
 
-/// All terms of a core.
 #[derive(Default, Debug)]
 pub(super) struct Terms {
     terms: Vec<Term>,
@@ -46,7 +43,6 @@ pub(super) struct Terms {
 }
 
 impl Terms {
-    /// Adds a term.
     pub(super) fn push(&mut self, term: Term) -> u32 {
         debug_assert!(
             !matches!(term, Term::Node { operation, operands }
@@ -59,8 +55,7 @@ impl Terms {
         self.terms.len() as u32 - 1
     }
 
-    /// Makes a term that no other reads yet the value of a variable. Inputs,
-    /// numbers and terms that already have a name are unchanged.
+    /// Makes an unread term the value of a variable, if it has no name.
     pub(super) fn define(&mut self, term: u32, name: Symbol, tree: u32) {
         let is_node = matches!(self.terms[term as usize], Term::Node { .. });
         let named = std::mem::replace(&mut self.named[term as usize], true);
@@ -69,8 +64,7 @@ impl Terms {
         }
     }
 
-    /// Writes the definitions and the result into a function that has its
-    /// inputs and its output.
+    /// Writes definitions and result into a function with inputs and output.
     pub(super) fn emit(
         mut self,
         (result, body): (u32, u32),

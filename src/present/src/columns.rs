@@ -1,5 +1,4 @@
-//! ColumnList: one declaration of head, cell and digits, from which aligned text,
-//! CSV, JSON and HTML follow.
+//! ColumnList: one declaration of head, cell and digits for all outputs.
 
 use super::number::exponential;
 use super::table::{DataCell, DataTable};
@@ -194,8 +193,7 @@ impl<'a, R> ColumnList<'a, R> {
     }
 }
 
-/// [`ColumnList`] as a list, a line for each: head, digits on the terminal and in
-/// files, cell.
+/// [`ColumnList`] by lines of head, digits on the terminal and in files, cell.
 ///
 /// ```
 /// # use robovec_present::columns;

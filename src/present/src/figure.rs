@@ -146,8 +146,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A curve through points, those that are not finite left out; an empty
-    /// label is none.
+    /// A curve through the finite ones of some points; an empty label is none.
     pub fn new(
         label: impl Into<String>,
         paint: Paint,
@@ -177,8 +176,7 @@ impl Curve {
 /// Colour and marker of a curve.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Paint {
-    /// One of a set of colours that are easy to distinguish, each with its own
-    /// marker.
+    /// One of some colours that are easy to distinguish, each with a marker.
     Distinct(usize),
     /// A place, and the number of places, in a sequence from dark to light.
     Ordered(usize, usize),
@@ -281,8 +279,7 @@ impl Figure {
         }
     }
 
-    /// The figure with a sentence in its caption about lines of a kind, where
-    /// some are drawn.
+    /// The figure, with a sentence in its caption on lines of a kind, if any.
     pub fn with_note(mut self, stroke: Stroke, note: &str) -> Figure {
         let is_drawn = |panel: &Panel| match &panel.content {
             PanelContent::Curves(curves) => curves

@@ -1,7 +1,6 @@
 //! Numbers formatted for users.
 
-/// A number rounded to some decimals, so that the last bits of sums do not
-/// show.
+/// A number rounded to some decimals, which hides the last bits of sums.
 pub fn round(number: f64, decimals: u8) -> f64 {
     let scale = 10f64.powi(i32::from(decimals));
     (number * scale).round() / scale

@@ -62,8 +62,7 @@ impl PointsPage<'_> {
     }
 }
 
-/// Fills the places `{{name}}` of a template; places in the inserted text are
-/// not filled.
+/// Fills the places `{{name}}` of a template, none in inserted text.
 ///
 /// # Panics
 ///
@@ -81,8 +80,7 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     text + rest
 }
 
-/// Unchanged lines of text, in letters of one width, under a title that folds
-/// them, open unless they are many.
+/// Unchanged lines of text under a title that folds them if they are many.
 pub fn lines(title: &str, text: &str) -> String {
     let open = open_unless(text.lines().count() > LONG_TEXT);
     let text = EscapedContent(text);
@@ -141,8 +139,7 @@ pub fn side_by_side(texts: [(&str, &str); 2]) -> String {
     html + "</div>\n"
 }
 
-/// A table that folds, open unless it is long; `file` is where its numbers are,
-/// empty for a table without a file.
+/// A table that folds if it is long; `file` has its numbers, if any.
 pub fn table(table: &DataTable, file: &str) -> String {
     folding_table(table, file, table.rows.len() <= LONG_TABLE)
 }

@@ -43,8 +43,7 @@ pub(super) fn aligned(heads: &[(&str, bool)], rows: &[Vec<String>]) -> String {
     table.to_string()
 }
 
-/// As [`text_table`], without blanks at the ends of its lines, and with a line
-/// end after the last.
+/// As [`text_table`], without blanks at line ends, with a final line end.
 pub fn text_lines(head: &str, rows: &[Vec<String>]) -> String {
     indented("", &text_table(head, rows))
 }
@@ -70,8 +69,7 @@ pub fn labelled(lines: &[(&str, String)]) -> String {
     text
 }
 
-/// A headline after its subject; below it where both do not fit into a line. A
-/// subject longer than a line is cut.
+/// A headline after its subject, or below it where a line is too short.
 pub fn headed(subject: &str, headline: &str) -> String {
     let one = format!("{subject}  {headline}\n");
     if one.chars().count() <= WIDTH {
@@ -81,8 +79,7 @@ pub fn headed(subject: &str, headline: &str) -> String {
     }
 }
 
-/// A text of at most this number of characters, the last of them `…` where it
-/// was longer.
+/// A text of at most this number of characters, with `…` where it is cut.
 pub fn cut(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_owned();

@@ -17,8 +17,7 @@ struct BitField {
 pub(super) struct WordFields {
     issue: BitField,
     operation: BitField,
-    /// Left, right, addend; the last one without bits if there is no fused
-    /// operation.
+    /// Left, right, addend; the last without bits if nothing is fused.
     reads: [BitField; 3],
     /// Memory (0 or 1), enable, address and select of every write port.
     writes: Vec<(usize, [BitField; 3])>,
@@ -113,7 +112,6 @@ fn get(image: &Image, cycle: u32, bits: BitField) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Issue {
     pub(super) element: u32,
-    /// Code of the operation.
     pub(super) code: u32,
     /// Read addresses: left, right, addend.
     pub(super) reads: [u32; 3],
@@ -124,7 +122,6 @@ pub(super) struct Issue {
 pub(super) struct MemoryWrite {
     /// Element that owns the memory.
     pub(super) element: u32,
-    /// Index of its memory.
     pub(super) memory: u32,
     pub(super) address: u32,
     /// Input of the crossbar.
@@ -190,23 +187,19 @@ impl DecodedSteps {
         })
     }
 
-    /// The operations that start in a cycle.
     pub(super) fn issues(&self, cycle: u32) -> &[Issue] {
         self.issues.of(cycle)
     }
 
-    /// The writes at the end of a cycle.
     pub(super) fn writes(&self, cycle: u32) -> &[MemoryWrite] {
         self.writes.of(cycle)
     }
 
-    /// The buffer writes at the end of a cycle.
     pub(super) fn buffer_writes(&self, cycle: u32) -> &[BufferWrite] {
         self.buffer_writes.of(cycle)
     }
 }
 
-/// Steps grouped by cycle.
 #[derive(Clone, Debug)]
 struct ByCycle<T> {
     /// For each cycle the start of its steps; one entry more at the end.
@@ -244,7 +237,6 @@ impl<T: Copy> ByCycle<T> {
     }
 }
 
-/// Steps with their cycles, element after element.
 #[derive(Default)]
 struct ElementSteps {
     issues: Vec<(u32, Issue)>,

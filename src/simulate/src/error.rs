@@ -181,8 +181,7 @@ pub enum Hazard {
         /// Given.
         given: usize,
     },
-    /// An operand is read from an empty word: it was neither loaded nor
-    /// written, or is written later.
+    /// An operand is read from a word neither loaded nor written yet.
     #[error("cycle {cycle}: {element} reads {memory}[{address}], which holds no value yet")]
     UninitialisedRead {
         /// Cycle.

@@ -2,10 +2,9 @@
 //!
 //! It is the judge of code generation and placement, so it reads only the
 //! inputs of the hardware: the text of the memory images and the manifest
-//! (`docs/images.md`), and the machine. It steps through the program cycle by
-//! cycle, through pipelines, crossbar, buffers and memories, computes in the
-//! machine's number format, and refuses every hazard by name and cycle
-//! ([`Hazard`]). Invariants:
+//! (`docs/images.md`), and the machine. It steps through pipelines, crossbar,
+//! buffers and memories cycle by cycle, computes in the machine's number
+//! format, and refuses every hazard by name and cycle ([`Hazard`]). Invariants:
 //!
 //! - it shares no code with placement or image generation but the manifest's
 //!   schema: what it knows of an instruction word it reads from the manifest,

@@ -10,16 +10,14 @@ use robovec_num::soft_float::FormatArithmetic;
 use robovec_num::trigonometry::host::TrigonometricUnit;
 use std::collections::BTreeMap;
 
-/// Most words of all memories, of all buffers, of all instruction images in
-/// limbs of 64 bits, and of all pipelines.
+/// Most words of memories, of buffers, of images in limbs, and of pipelines.
 const MAX_WORDS: u64 = 1 << 24;
 
 impl LoadedProgram {
     /// Loads a program from its files, as (file name, text), and checks that
     /// they belong together, to this machine, and were not changed.
     ///
-    /// Names may carry directories; one of the files must be a
-    /// `manifest.json`.
+    /// Names may have folders; one of the files must be a `manifest.json`.
     ///
     /// # Errors
     ///

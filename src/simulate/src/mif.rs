@@ -4,7 +4,6 @@
 //! ranges and lists. The file may come from any program, so sizes are bounded
 //! before any allocation and every word may be set only once.
 
-mod digits;
 mod parser;
 
 use parser::Parser;
@@ -13,8 +12,7 @@ use std::fmt;
 /// Most 64-bit limbs of one image: 128 MiB.
 const MAX_LIMBS: u64 = 1 << 24;
 
-/// Most bits of a word; an instruction word of the largest machines has some
-/// thousand.
+/// Most bits of a word; the largest machines have some thousand.
 const MAX_BITS: u32 = 1 << 14;
 
 /// The content of a memory.

@@ -18,7 +18,6 @@ pub struct LoadedProgram {
     pub(super) words: usize,
     /// Words of all buffers together.
     pub(super) buffer_words: usize,
-    /// Read ports of every buffer.
     pub(super) buffer_reads: u32,
     /// Content of the data images: word, bits.
     pub(super) data: Vec<(u32, u64)>,
@@ -32,15 +31,13 @@ pub struct LoadedProgram {
     pub(super) steps: DecodedSteps,
 }
 
-/// A processing element.
 #[derive(Clone, Debug)]
 pub(super) struct ElementUnit {
     pub(super) name: String,
     /// Cycles from the issue to the result on the bus.
     pub(super) latency: u32,
     pub(super) operations: Vec<Operation>,
-    /// The memories of the left and right operand: twice the same one when
-    /// unified.
+    /// Memories of the left and right operand: twice the same when unified.
     pub(super) memories: [u32; 2],
     /// Words of the buffer; 0 without one.
     pub(super) buffer_words: u32,
@@ -48,7 +45,6 @@ pub(super) struct ElementUnit {
     pub(super) buffer_offset: u32,
 }
 
-/// An operand memory.
 #[derive(Clone, Debug)]
 pub(super) struct MemoryUnit {
     pub(super) name: String,

@@ -57,8 +57,7 @@ struct ProgramRunner<'p> {
     program: &'p LoadedProgram,
     memory: Vec<MemoryCell>,
     buffers: Vec<MemoryCell>,
-    /// The pipelines: for each element a ring of slots, one per cycle of its
-    /// latency; a slot is emptied when its result leaves.
+    /// For each element a ring of slots, one per cycle of its latency.
     pipelines: Vec<Option<f64>>,
     /// For each element its first slot and the slot of this cycle.
     slots: Vec<(u32, u32)>,

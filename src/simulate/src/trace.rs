@@ -9,8 +9,7 @@ use super::error::Hazard;
 use super::program::{LoadedProgram, SimulatedOutputs};
 use robovec_num::soft_float::FormatArithmetic;
 
-/// Observer of a run while it continues. A run without an observer ([`Silent`])
-/// is compiled without a trace of it.
+/// Observer of a run; without one ([`Silent`]) no trace is compiled.
 pub(super) trait Observer {
     /// A word of all memories holds a number before the first cycle.
     fn loaded(&mut self, _word: u32, _number: f64) {}
@@ -36,8 +35,7 @@ pub struct LoadedWord {
     pub word: u64,
     /// True if the data images hold it, so that it is the same in all runs.
     pub constant: bool,
-    /// True if the run writes another value into the word; such a word must be
-    /// loaded again before the next run.
+    /// True if the run overwrites the word, which the next must load again.
     pub overwritten: bool,
 }
 
@@ -55,8 +53,7 @@ pub struct TracedResult {
 /// A run in all its results.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Trace {
-    /// Contents of the memories before the first cycle, in order of memory and
-    /// address.
+    /// Contents of memories before the first cycle, by memory and address.
     pub loaded: Vec<LoadedWord>,
     /// Every result, in order of cycle and element.
     pub results: Vec<TracedResult>,
@@ -113,10 +110,6 @@ impl Observer for Recorder<'_> {
 
 impl LoadedProgram {
     /// As [`LoadedProgram::run`], with every word that is loaded and every result.
-    ///
-    /// # Errors
-    ///
-    /// The first hazard, by cycle.
     pub fn run_traced(&self, inputs: &[f64]) -> Result<Trace, Hazard> {
         let mut constant = vec![false; self.words];
         for &(word, _) in &self.data {

@@ -1,7 +1,6 @@
 //! Contents of a page, as columns: a list of numbers for every property of the
-//! statements of a state, so that the page of a large function stays small and
-//! opens without delay. Texts and sets of source places are numbers into
-//! tables.
+//! statements of a state, so that large pages stay small and open fast. Texts
+//! and sets of source places are numbers into tables.
 
 use crate::report::PassReport;
 use serde::Serialize;
@@ -10,7 +9,6 @@ use std::collections::BTreeMap;
 /// All of a page.
 #[derive(Serialize)]
 pub(super) struct ViewData {
-    /// The version of robovec.
     pub(super) robovec: String,
     /// The file that was read.
     pub(super) title: String,
@@ -20,13 +18,11 @@ pub(super) struct ViewData {
     pub(super) files: Vec<FileData>,
     /// Sets of places: file (from 0), line and column (from 1) of each.
     pub(super) sources: Vec<Vec<[u32; 3]>>,
-    /// The joints of the model, in the order of their numbers; none when no
-    /// model is known.
+    /// The joints of the model, in their order; none when no model is known.
     pub(super) joints: Vec<JointData>,
     /// Descriptions of the passes of the pipeline, by name.
     pub(super) summaries: BTreeMap<String, String>,
     pub(super) functions: Vec<FunctionData>,
-    /// Texts by their numbers.
     pub(super) texts: Vec<String>,
 }
 
@@ -50,7 +46,6 @@ pub(super) struct FileData {
 #[derive(Serialize)]
 pub(super) struct FunctionData {
     pub(super) name: String,
-    /// The machine compiled for.
     pub(super) machine: String,
     /// The number format in which errors are measured.
     pub(super) format: String,
@@ -62,12 +57,10 @@ pub(super) struct FunctionData {
     pub(super) schedule: Option<ScheduleData>,
     /// Share of source lines in the errors of all outputs: file, line, share.
     pub(super) heat: Vec<(u32, u32, f64)>,
-    /// The report, as text.
     pub(super) report: String,
 }
 
-/// A state of a function: a column for each property of its statements, values
-/// first and outputs after them.
+/// A state of a function: columns of properties of its values, then outputs.
 #[derive(Serialize)]
 pub(super) struct StateData {
     /// The pass that left the function so; absent for the state that was read.
@@ -78,7 +71,6 @@ pub(super) struct StateData {
     pub(super) path: u32,
     /// Number of the statements that are values.
     pub(super) values: usize,
-    /// Names, as texts.
     pub(super) names: Vec<u32>,
     /// Right sides, as texts.
     pub(super) texts: Vec<u32>,
@@ -97,8 +89,7 @@ pub(super) struct StateData {
     pub(super) errors: Vec<Option<f32>>,
 }
 
-/// A schedule: a column for each property of the statements of the last state
-/// that are values.
+/// A schedule: columns of properties of the values of the last state.
 #[derive(Serialize)]
 pub(super) struct ScheduleData {
     /// Length, in cycles.
@@ -124,7 +115,31 @@ pub(super) struct ScheduleData {
     pub(super) writes: Vec<[u32; 3]>,
     /// Number of cycles a slice of `memory` is long.
     pub(super) slice: u32,
-    /// For every element the words of memory in use, slice by slice, the
-    /// largest number in each.
+    /// For every element the most words of memory in use, slice by slice.
     pub(super) memory: Vec<Vec<u32>>,
+}
+
+/// Texts by number, in order of their first use.
+#[derive(Default)]
+pub(super) struct TextTable {
+    numbers: BTreeMap<String, u32>,
+}
+
+impl TextTable {
+    pub(super) fn number(&mut self, text: &str) -> u32 {
+        if let Some(&number) = self.numbers.get(text) {
+            return number;
+        }
+        let number = self.numbers.len() as u32;
+        self.numbers.insert(text.to_owned(), number);
+        number
+    }
+
+    pub(super) fn into_texts(self) -> Vec<String> {
+        let mut texts = vec![String::new(); self.numbers.len()];
+        for (text, number) in self.numbers {
+            texts[number as usize] = text;
+        }
+        texts
+    }
 }

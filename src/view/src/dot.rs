@@ -6,8 +6,7 @@ use robovec_ir::print::{print_operand, print_output};
 use robovec_ir::{Function, Machine, OperandKind, Value, View};
 use std::fmt::Write;
 
-/// The dataflow graph of the operands of a value or an output, of all outputs
-/// for `None`; longest paths are red.
+/// The dataflow graph of a value, an output, or all; longest paths are red.
 pub fn dot(view: View<'_>, machine: &Machine, wanted: Option<TrackedItem>) -> String {
     let function = view.function;
     let weights = Weights::cycles(machine);

@@ -9,8 +9,7 @@ use serde_json::{Value, json};
 /// Process number of the passes.
 const COMPILER: u32 = 1;
 
-/// The events of a run as JSON: passes in microseconds of processor time,
-/// schedules with a cycle as a microsecond.
+/// The events of a run as JSON, in microseconds of processor time or cycles.
 pub fn events(module: &Module, passes: &[PassRunRecord], machine: &Machine) -> String {
     let mut events = vec![name("process_name", COMPILER, 0, "robovec, processor time")];
     let mut start = 0.0;

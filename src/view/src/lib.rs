@@ -1,6 +1,5 @@
 //! A compilation as one page: every state of a function with the origin of each
-//! of its statements, the schedule, the errors and the source, for users who
-//! want to know why an output is late.
+//! of its statements, schedule, errors and source, for late outputs.
 //!
 //! The page has the data once, as columns ([`data`]), and a script that draws
 //! the visible part. **Invariants.** A page refers to no other file and no
@@ -10,19 +9,17 @@
 mod data;
 mod dot;
 mod events;
-mod names;
 pub mod report;
 mod schedule;
-mod sources;
 mod statements;
 
 pub use dot::dot;
 pub use events::events;
-pub use sources::place_lines;
+pub use statements::place_lines;
 
 use crate::report::{ModuleReport, PassReport, PassRunRecord, ReadCounts, ReportOptions};
+use data::TextTable;
 use data::{FileData, FunctionData, JointData, ViewData};
-use names::TextTable;
 use robovec_framework::trail::{self, Trail};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, View};
@@ -66,8 +63,7 @@ pub struct ModelText {
 }
 
 impl ModelText {
-    /// The joints with the lines that name them first, in a file of this
-    /// number.
+    /// Joints with the lines that name them first, in a file of this number.
     fn joints(&self, file: u32) -> Vec<JointData> {
         let is_part = |character: char| character.is_alphanumeric() || "_-.".contains(character);
         let names = |line: &str, joint: &str| line.split(|c| !is_part(c)).any(|word| word == joint);

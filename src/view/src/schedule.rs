@@ -1,5 +1,4 @@
-//! The schedule on a page: the start of every value, the reason of its delay,
-//! and the content of memories over time.
+//! The schedule on a page: starts, reasons of delays, memories over time.
 
 use super::data::ScheduleData;
 use robovec_analysis::critical_path::Weights;
@@ -10,7 +9,6 @@ use std::collections::BTreeMap;
 /// Into this number of slices the use of memory is cut at most.
 const SLICES: u32 = 240;
 
-/// The schedule of a function, when it has one.
 pub(super) fn collect(function: &Function, machine: &Machine) -> Option<ScheduleData> {
     let schedule = function.schedule.as_ref()?;
     let weights = Weights::cycles(machine);
@@ -83,8 +81,7 @@ pub(super) fn collect(function: &Function, machine: &Machine) -> Option<Schedule
     Some(data)
 }
 
-/// The first cycle in which a scheduled value can read all its operands, and
-/// its latest operand.
+/// First cycle in which a value can read its operands, and the latest one.
 fn ready(
     function: &Function,
     schedule: &Schedule,

@@ -1,14 +1,13 @@
-//! The statements of a state: its text, line by line, with the known facts
-//! about each.
+//! The statements of a state: its text by lines, with known facts about each.
 
-use super::data::StateData;
-use super::names::TextTable;
+use super::data::{StateData, TextTable};
 use robovec_analysis::adjoint::{AdjointRun, Tape};
 use robovec_analysis::critical_path::{Weights, arrivals, longest, tails};
+use robovec_framework::rewrite::owners;
 use robovec_framework::trail::{DefinitionSubject, TrailState};
-use robovec_ir::print::print_function;
+use robovec_ir::print::{self, print_function};
 use robovec_ir::states::States;
-use robovec_ir::{Format, Function, Machine, SourceSet, Tables, Value, View};
+use robovec_ir::{Format, Function, Machine, Module, SourcePlace, SourceSet, Tables, Value, View};
 use std::collections::BTreeMap;
 
 /// Sets of source places by number, in order of their first use.
@@ -35,7 +34,6 @@ impl SourceTable {
     }
 }
 
-/// The named values of a function, in order.
 fn named(function: &Function) -> Vec<Value> {
     let values = function.values();
     let named = values.filter(|(_, node)| !node.name.is_none());
@@ -150,8 +148,7 @@ impl StatementNumbers {
     }
 }
 
-/// The lines of a printed function that define something: the last ones, except
-/// for empty lines and the closing brace.
+/// The lines of a printed function that define something.
 fn statement_lines(text: &str, count: usize) -> Vec<&str> {
     let lines = text.lines().map(str::trim);
     let lines: Vec<&str> = lines
@@ -162,8 +159,7 @@ fn statement_lines(text: &str, count: usize) -> Vec<&str> {
     lines[first..].to_vec()
 }
 
-/// A definition without the parts shown elsewhere on the page: the slot, the
-/// words of memory, the places.
+/// A definition without slot, words and places, which are shown elsewhere.
 fn split(line: &str) -> (&str, &str) {
     let (name, right) = line.split_once(" = ").expect("a line defines one name");
     let ends = [" on ", " @", " in ", " by ", " {"].map(|mark| right.find(mark));
@@ -171,9 +167,8 @@ fn split(line: &str) -> (&str, &str) {
     (name, right[..end].trim_end())
 }
 
-/// The relative error of every node and every assignment in a format, at the
-/// first random state: absent where the exact number is zero, or where
-/// something is not finite.
+/// Relative error of every node and assignment in a format, at the first random
+/// state: absent for an exact zero, or where something is not finite.
 fn relative_errors(
     view: View<'_>,
     format: Format,
@@ -212,4 +207,80 @@ pub(super) fn heat(view: View<'_>, format: Format, states: &States) -> Vec<(u32,
         .into_iter()
         .map(|((file, line), share)| (file, line, (share * 1e6).round() / 1e6))
         .collect()
+}
+
+/// Gives a module's equations, without places, those of its printed text, under
+/// this name; returns the text, or `None` when a place is known already.
+pub fn place_lines(module: &mut Module, name: &str) -> Option<String> {
+    if !module.tables.sources.files.is_empty() {
+        return None;
+    }
+    let text = print::print_module(module);
+    let file = module.tables.sources.add_file(name);
+    let mut lines = text.lines().zip(1..);
+    for index in 0..module.functions.len() {
+        let mut places = BTreeMap::new();
+        for (line, number) in lines.by_ref() {
+            if line == "}" {
+                break;
+            }
+            if let Some((left, _)) = line.trim_start().split_once(" = ") {
+                let column = line.len() - line.trim_start().len() + 1;
+                let place = SourcePlace {
+                    file,
+                    line: number,
+                    column: column as u32,
+                    end_line: number,
+                    end_column: line.chars().count() as u32,
+                };
+                places.insert(left.to_owned(), place);
+            }
+        }
+        assign(module, index, &places);
+    }
+    Some(text)
+}
+
+/// Gives values and outputs the places of their names or equations.
+fn assign(module: &mut Module, index: usize, places: &BTreeMap<String, SourcePlace>) {
+    let tables = &mut module.tables;
+    let function = &mut module.functions[index];
+    let names: Vec<String> = function
+        .assignments
+        .iter()
+        .map(|assignment| {
+            let view = robovec_ir::View { tables, function };
+            print::print_output(view, assignment.output)
+        })
+        .collect();
+    let owners = owners(tables, function);
+    let mut by_owner = BTreeMap::new();
+    for (assignment, name) in function.assignments.iter_mut().zip(&names) {
+        if let Some(&place) = places.get(name) {
+            assignment.sources = tables.sources.single(place);
+            if let Some(value) = assignment.operand.value() {
+                by_owner.insert(owners[value.index()], assignment.sources);
+            }
+        }
+    }
+    let values: Vec<_> = function.values().map(|(value, _)| value).collect();
+    for &value in &values {
+        let name = function.node(value).name;
+        if name.is_none() {
+            continue;
+        }
+        let text = format!("%{}", name.display(&tables.symbols));
+        if let Some(&place) = places.get(&text) {
+            let sources = tables.sources.single(place);
+            function.node_mut(value).sources = sources;
+            by_owner.insert(name.base, sources);
+        }
+    }
+    for value in values {
+        if function.node(value).name.is_none()
+            && let Some(&sources) = by_owner.get(&owners[value.index()])
+        {
+            function.node_mut(value).sources = sources;
+        }
+    }
 }

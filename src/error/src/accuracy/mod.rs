@@ -48,8 +48,7 @@ pub struct PassAccuracy {
 /// Options of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
-    /// Number of random states; 0 for one that depends on the size of the
-    /// function.
+    /// Number of random states; 0 for one by the size of the function.
     pub states: u32,
     /// Their seed.
     pub seed: u64,
@@ -60,10 +59,6 @@ pub struct Options<'a> {
 /// Runs a pipeline over all functions of a module and measures the errors after
 /// every pass. The only function of a module is named after the module; with
 /// several functions, the function's name is added.
-///
-/// # Errors
-///
-/// Errors of the passes.
 pub fn measure(
     name: &str,
     module: &mut Module,

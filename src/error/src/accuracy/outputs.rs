@@ -1,5 +1,4 @@
-//! The errors of every output of a function in any number formats, as text
-//! and as tables for programs.
+//! The errors of every output of a function in number formats, in every form.
 
 use robovec_analysis::accuracy::{Accuracy, ElementError, FormatAccuracy, StateSpread};
 use robovec_ir::View;
@@ -11,8 +10,7 @@ use robovec_present::text_lines;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// The errors of one output in one format, for programs. Errors that are not
-/// finite are `null`.
+/// Errors of one output in one format, for programs; `null` if not finite.
 #[derive(Clone, PartialEq, Serialize, Debug)]
 pub struct OutputLine {
     /// The model or file, and the function.
@@ -33,8 +31,7 @@ pub struct OutputLine {
     pub mixed: ErrorQuantiles,
     /// The estimated condition number for independent errors of the inputs.
     pub sensitivity: f64,
-    /// The componentwise condition number in the state of the largest
-    /// relative error.
+    /// Componentwise condition number at the largest relative error.
     pub condition: Option<f64>,
     /// That error over condition number and unit roundoff.
     pub backward: Option<f64>,

@@ -1,6 +1,5 @@
-//! New states from bad ones: nearer and further, with inputs of one instead of
-//! another's, at the ends of their ranges, at zero, and where rounding them to
-//! the format moves them most.
+//! New states from bad ones: nearer and further, with inputs of others, at the
+//! ends of ranges, at zero, and where rounding to the format moves them most.
 //!
 //! **Invariant.** Every state lies in the ranges.
 
@@ -11,8 +10,7 @@ use robovec_num::soft_float::FormatArithmetic;
 
 /// Operators that make new states of a function from known ones.
 pub struct StateBreeder {
-    /// The range of every input; `None` for inputs without one, which keep the
-    /// values that are drawn.
+    /// The range of every input; inputs without one keep the values drawn.
     ranges: Vec<Option<[f64; 2]>>,
     /// The array of every input.
     arrays: Vec<usize>,
@@ -48,8 +46,7 @@ impl StateBreeder {
         }
     }
 
-    /// A state whose numbers use all digits of binary64: what is drawn is
-    /// rounded to binary32.
+    /// A state with all digits of binary64: drawn ones are rounded to binary32.
     pub fn refined(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
         for &input in &self.free {
             let step = state[input].abs() * f64::from(f32::EPSILON);
@@ -59,8 +56,7 @@ impl StateBreeder {
         state
     }
 
-    /// A state with inputs at the ends of their ranges and at zero: all of
-    /// them, or a part.
+    /// A state with all or some inputs at the ends of their ranges and at zero.
     pub fn corner(&self, mut state: Vec<f64>, seed: u64) -> Vec<f64> {
         let kinds = 2 + seed % 3;
         for &input in &self.free {
@@ -111,8 +107,7 @@ impl StateBreeder {
         state
     }
 
-    /// A state near another whose free inputs are rounded to the side that adds
-    /// to an error with these derivatives by inputs.
+    /// A state near another, free inputs rounded to the side of larger errors.
     pub(super) fn aligned(&self, mut state: Vec<f64>, slopes: &[f64]) -> Vec<f64> {
         for &input in &self.free {
             let slope = slopes[input];
@@ -126,8 +121,7 @@ impl StateBreeder {
         state
     }
 
-    /// A number near the middle of two neighbours of the format, of which it
-    /// is rounded to the nearer, up or down.
+    /// A number just above or below the middle of two neighbours of the format.
     fn between_numbers(&self, number: f64, place: f64) -> f64 {
         let held = FormatArithmetic::new(self.format).convert(number);
         let most = half_ulp(self.format, held) * (1.0 - f64::from(f32::EPSILON));
@@ -138,7 +132,6 @@ impl StateBreeder {
         }
     }
 
-    /// Changes an input within its range.
     fn set(&self, state: &mut [f64], input: usize, change: impl FnOnce(f64) -> f64) {
         let [low, high] = self.ranges[input].expect("a free input has a range");
         state[input] = change(state[input]).clamp(low, high);

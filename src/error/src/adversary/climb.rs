@@ -3,8 +3,7 @@
 //! Rounding errors jump from one number to the next, so that there is no
 //! gradient. A climb measures some children of its state at a time and
 //! continues from the worst of them if its error is not smaller; after many
-//! generations without a larger error it begins at another state. Every other
-//! climb follows the error of a single output.
+//! generations in vain it begins anew. Every other climb follows one output.
 //!
 //! **Invariant.** Climbs meet only between rounds: the same task gives the same
 //! states on any number of threads.
@@ -44,15 +43,12 @@ pub struct Climbs<'c, D> {
     records: Vec<ErrorRecord>,
 }
 
-/// The largest ratio of an error to the allowed one, and the state where it
-/// was met.
+/// Largest ratio of an error to the allowed one, and the state that has it.
 pub type ErrorRecord = (f64, Option<Arc<Vec<f64>>>);
 
-/// One climb.
 struct Climb {
     number: u64,
-    /// The output whose error it follows, as a place among the assignments;
-    /// `None` for the worst of all.
+    /// The output whose error it follows, by place; `None` for the worst.
     output: Option<usize>,
     state: Vec<f64>,
     /// Ratio of the error of the state to the allowed one.
@@ -101,8 +97,7 @@ impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
         }
     }
 
-    /// One round of all climbs: the states in it that are worse than all
-    /// before of their climb.
+    /// One round of all climbs: its states that are worse than all before.
     pub fn round(&mut self) -> Vec<Vec<f64>> {
         self.round_of(GENERATIONS)
     }
@@ -132,8 +127,7 @@ impl<'c, D: Fn(u64) -> Vec<f64> + Sync> Climbs<'c, D> {
         found.filter_map(|climb| climb.found.take()).collect()
     }
 
-    /// For every output, in the order of the assignments, the largest error of
-    /// all rounds.
+    /// For every output, in their order, the largest error of all rounds.
     pub fn records(&self) -> &[ErrorRecord] {
         &self.records
     }

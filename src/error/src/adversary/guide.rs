@@ -11,8 +11,7 @@ use robovec_analysis::adjoint::{Adjoint, LANES, Tape, Workspace, half_ulp};
 use robovec_num::arithmetic::Binary64;
 use robovec_num::random::mix;
 
-/// Maximum number of states whose outputs are compared to choose those that
-/// are climbed for.
+/// Maximum number of states whose outputs are compared to choose climbed ones.
 const COMPARED: u64 = 32;
 
 /// Number of evaluations that take the time of one with adjoints.
@@ -62,10 +61,9 @@ impl<'a> RoundingGuide<'a> {
         starts
     }
 
-    /// Climbs from states for the outputs that roundings can move most, at
-    /// most [`LANES`], in the time of a number of evaluations; nothing where
-    /// that is too little. Inputs that are real numbers are rounded to the side
-    /// that adds to the error.
+    /// Climbs from states for the outputs that roundings can move most, at most
+    /// [`LANES`], in the time of some evaluations, if that is enough. Real
+    /// inputs are rounded to the side that adds to the error.
     pub fn climb(
         &mut self,
         breeder: &StateBreeder,

@@ -1,5 +1,4 @@
-//! Adversary of programs: the search for the states at which errors are
-//! largest.
+//! Adversary of programs: the search for states at which errors are largest.
 //!
 //! The result is a lower bound of the largest error, no more.
 

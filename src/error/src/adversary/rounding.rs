@@ -39,8 +39,7 @@ pub struct SearchSubject<'a> {
 /// Errors that a search found.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FoundErrors {
-    /// The largest absolute error of every output, by its place among the
-    /// assignments.
+    /// Largest absolute error of every output, in the order of assignments.
     pub errors: Vec<f64>,
     /// The states at which they were found; empty where every result is exact.
     pub states: Vec<Vec<f64>>,
@@ -48,8 +47,7 @@ pub struct FoundErrors {
     pub tried: u64,
 }
 
-/// Searches for the largest error of every output; twice the effort tries twice
-/// as many states.
+/// Searches for the largest error of every output; states grow with effort.
 ///
 /// # Panics
 ///
@@ -135,8 +133,7 @@ impl<'a> SearchSubject<'a> {
         found
     }
 
-    /// The ranges of the numbers that inputs take: those of the format for data
-    /// that are held; `None` where a range has no such number.
+    /// Ranges of the numbers of inputs: those of the format for held data.
     fn ranges(&self) -> Option<Vec<Interval>> {
         if self.data == GivenData::Real {
             return Some(self.inputs.to_vec());

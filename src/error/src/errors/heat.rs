@@ -12,8 +12,7 @@ pub const MAX_EQUATIONS: usize = 12;
 /// Number of inputs named.
 const MAX_INPUTS: usize = 4;
 
-/// Maximum work of a report for heat, in values times outputs times states: a
-/// fraction of a second.
+/// Maximum of values times outputs times states for heat, under a second.
 const WORK: usize = 1 << 25;
 
 /// States that heat is averaged over where the work allows it.
@@ -79,8 +78,7 @@ pub fn blame(view: View<'_>, tape: &Tape, format: Format, states: &States) -> (B
     (blame, count as u32, most.min(outputs.len()))
 }
 
-/// As [`blame`], over given states and this number of the worst states of given
-/// outputs.
+/// As [`blame`], over given states and some of the worst of given outputs.
 pub(super) fn blame_of(
     view: View<'_>,
     tape: &Tape,

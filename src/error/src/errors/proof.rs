@@ -28,11 +28,9 @@ pub struct ProofRow {
     pub error: f64,
     /// The largest error that the search found.
     pub found: f64,
-    /// Origin of the bound: `norms` over the whole function, or `boxes` into
-    /// which the ranges are cut.
+    /// Origin of the bound: `norms` of the function, or `boxes` of its ranges.
     pub method: &'static str,
-    /// Basis of the ranges of inputs: `given`, or `drawn` from the
-    /// distribution of random states.
+    /// Basis of the ranges of inputs: `given`, or `drawn` from random states.
     pub ranges: &'static str,
     /// A harmful consequence of the range in the format, if any.
     pub alarm: Option<&'static str>,
@@ -42,8 +40,7 @@ pub struct ProofRow {
     pub reason: Option<String>,
 }
 
-/// Proves bounds of the outputs that settings request; returns the number of
-/// states that were searched.
+/// Proves bounds of requested outputs; returns the number of states searched.
 pub(super) fn prove(view: View<'_>, tape: &Tape, settings: &ErrorSettings) -> (Vec<ProofRow>, u64) {
     let ranges = input_ranges(view, &settings.states);
     let basis = ranges.iter().map(|range| range.knowledge).max();

@@ -1,22 +1,26 @@
 //! Every output's error at one state, by several methods.
 
-use super::heat::{Heat, blame_of};
+use super::heat::{Heat, blame, blame_of};
 use super::proof::{ProofRow, prove};
+use super::view::{place, small};
 use robovec_analysis::adjoint::{AdjointRun, Tape};
 use robovec_analysis::interval::{
     Alarm, ConeWindow, GivenData, Leaves, WindowLeaves, integer_bits, largest_seen, subdivide,
 };
 use robovec_analysis::reference::{ExactOutput, ReferenceEffort, ReferenceEvaluator};
 use robovec_analysis::stochastic::{Unsupported, stochastic};
+use robovec_framework::trail::TrackedItem;
+use robovec_ir::diagnostic::counted;
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Format, Operation, View};
 use robovec_num::double_double::Double;
+use robovec_present::number::percent;
 use serde::Serialize;
+use std::fmt::Write;
 use std::slice;
 
-/// The maximum number of enclosures of all windows, times operations and
-/// leaves: some seconds.
+/// Maximum enclosures of windows, times operations and leaves: some seconds.
 const ENCLOSED: usize = 1 << 25;
 
 /// The maximum number of states at which the error of a window is looked for.
@@ -110,8 +114,7 @@ pub struct OutputRow {
     pub error: f64,
     /// The error predicted from the rounding error of every operation.
     pub predicted: Option<f64>,
-    /// The error when every operation loses as much as it can, to first
-    /// order about this run.
+    /// The error when all operations lose most, to first order about this run.
     pub bound: Option<f64>,
     /// The standard deviation under random rounding.
     pub sigma: Option<f64>,
@@ -134,8 +137,7 @@ pub struct IntervalRow {
     pub share: f64,
     /// The most that they lose in that part.
     pub finite: f64,
-    /// Bound at the worst state tested: with more boxes it would come down to
-    /// this at best.
+    /// Bound at the worst state tested, the best that more boxes could give.
     pub at_a_state: f64,
     /// The largest error seen at random states in the ranges.
     pub seen: f64,
@@ -290,4 +292,75 @@ pub(super) fn interval(
         alarm: Alarm::of(found.range, format).map(Alarm::name),
         integer_bits: integer_bits(found.range),
     }
+}
+
+/// Number of equations named as the origin of an output's error.
+const MOST: usize = 5;
+
+/// Effect of rounding on a value or an output: its error in the first state,
+/// its bound, the part that its operation adds, and its share in the errors of
+/// the outputs; `None` when the function has no such value.
+pub fn explain(
+    view: View<'_>,
+    item: TrackedItem,
+    format: Format,
+    states: &States,
+) -> Option<String> {
+    let function = view.function;
+    let tape = Tape::new(function);
+    let (slot, output) = match item {
+        TrackedItem::Value(name) => {
+            let mut nodes = function.nodes().iter();
+            (nodes.position(|node| node.name == name)?, None)
+        }
+        TrackedItem::Output(output) => {
+            let mut assignments = function.assignments.iter();
+            let place = assignments.position(|assignment| assignment.output == output)?;
+            (tape.output_slot(place), Some(place))
+        }
+    };
+    let run = AdjointRun::of(function, &tape, format, &states.draw(view, 0));
+    // One slot was asked for.
+    let error = run.slots(&[slot]).into_iter().next()?;
+    let mut text = format!(
+        "rounding in {format}, at state 0 of seed {}\n",
+        states.seed()
+    );
+    let _ = writeln!(
+        text,
+        "    {:.6e}, with an error of {}, at most {}",
+        error.exact,
+        small(error.actual),
+        small(error.bound)
+    );
+    match output {
+        None => {
+            let (lost, most) = (run.local_errors()[slot], run.local_bounds()[slot]);
+            let _ = writeln!(
+                text,
+                "    its last operation adds {}, and at most {}",
+                small(lost),
+                small(most)
+            );
+            let (blame, count, outputs) = blame(view, &tape, format, states);
+            let share = percent(blame.share(slot));
+            let _ = writeln!(
+                text,
+                "    that is {share} of the errors of {}, over {}",
+                counted(outputs, "output"),
+                counted(count, "state")
+            );
+        }
+        Some(output) => {
+            let blame = blame_of(view, &tape, format, states, 0..1, &[output], 1);
+            let about = (states.seed(), 1, 1);
+            let heat = Heat::new(view, &tape, format, &blame, about, MOST);
+            for equation in &heat.equations {
+                let name = equation.name.as_deref().unwrap_or("the output");
+                let share = percent(equation.share);
+                let _ = writeln!(text, "    {share} from {name} at {}", place(equation));
+            }
+        }
+    }
+    Some(text)
 }

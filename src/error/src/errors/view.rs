@@ -13,8 +13,7 @@ use std::fmt::Write;
 /// The rows of a table for a user; the others are counted.
 pub(super) const MAX_ROWS: usize = 40;
 
-/// The relative error of a divisor above which bounds of first order are
-/// unreliable: the terms they leave out are at least that fraction of them.
+/// Relative error of a divisor above which first-order bounds are unreliable.
 const WEAK: f64 = 0.01;
 
 /// Reliability of the bounds of a run.
@@ -173,8 +172,7 @@ pub fn heat_title(heat: &Heat) -> String {
     )
 }
 
-/// The hottest equations, with bars, and the contributions of inputs and
-/// literals.
+/// The hottest equations, with bars, and the shares of inputs and literals.
 pub fn heat_text(heat: &Heat) -> String {
     let mut text = String::new();
     if heat.equations.is_empty() && heat.inputs.is_empty() && heat.literals == 0.0 {
@@ -231,7 +229,6 @@ fn equation_row(equation: &HotEquation, hottest: f64) -> Vec<String> {
     ]
 }
 
-/// Place of an equation in its file.
 pub(super) fn place(equation: &HotEquation) -> String {
     match (&equation.file, equation.line, equation.column) {
         (Some(file), Some(line), Some(column)) => format!("{file}:{line}:{column}"),
@@ -252,8 +249,7 @@ pub fn json(tables: &[ErrorTable]) -> String {
     json_text(tables)
 }
 
-/// The rows of all tables as CSV, empty cells for methods that were not
-/// requested.
+/// The rows of all tables as CSV, without the methods not requested.
 pub fn csv(tables: &[ErrorTable]) -> String {
     type Row<'a> = (&'a ErrorTable, &'a OutputRow);
     let rows: Vec<Row<'_>> = tables

@@ -3,8 +3,7 @@
 //! An error beside a speed is always printed in the same way: the median and
 //! the worst over all arrays and states, relative to the largest element of the
 //! array, with the number format, the states and the reference named. Relative
-//! errors of elements are for reports of errors alone: elements that are zero
-//! by cancellation would dominate them here.
+//! errors of elements, which cancelled ones dominate, are for error reports.
 
 use super::{ErrorSpread, Unmeasurable, Yardstick};
 use robovec_ir::diagnostic::counted;
@@ -19,15 +18,13 @@ pub const ERROR_HEADS: [&str; 2] = ["median error", "worst error"];
 pub struct ErrorAccount {
     /// The format it was computed in.
     pub format: Format,
-    /// Of every array in every state, its largest error over its largest
-    /// element.
+    /// Of every array and state, the largest error over the largest element.
     pub normwise: ErrorSpread,
     /// The states, in words: see [`random_states`].
     pub states: String,
 }
 
-/// States in words: their number and their source. `has_ranges` where a scene
-/// or the file gives ranges of inputs.
+/// States in words: number and source; `has_ranges` of a scene or file.
 pub fn random_states(count: usize, seed: u64, has_ranges: bool) -> String {
     let ranges = if has_ranges {
         " in the given ranges"
@@ -43,12 +40,7 @@ pub fn measure_text(states: &str) -> String {
 }
 
 impl ErrorAccount {
-    /// Measures a program in a format; `states` names the origin of the
-    /// yardstick's states.
-    ///
-    /// # Errors
-    ///
-    /// See [`Unmeasurable`].
+    /// Measures a program in a format; `states` names the yardstick's states.
     pub fn measured(
         program: View<'_>,
         yardstick: &Yardstick,

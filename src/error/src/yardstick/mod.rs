@@ -1,5 +1,4 @@
-//! Exact results of a function at states, and the distances of other programs
-//! for the same quantities from them.
+//! Exact results of a function at states, and distances of programs from them.
 //!
 //! Programs made from one another keep the names of their arrays, but a
 //! specialised one has lost inputs and outputs, one with series has other
@@ -29,9 +28,8 @@ use std::collections::BTreeMap;
 /// States evaluated at a time.
 pub const LANES: usize = 8;
 
-/// An element that is below this part of the largest of its array is zero
-/// except for the rounding of the reference itself, as in
-/// [`robovec_analysis::accuracy`].
+/// An element below this part of the largest of its array is zero but for the
+/// reference's rounding, as in [`robovec_analysis::accuracy`].
 const VANISHING: f64 = 1.0 / (1u128 << 70) as f64;
 
 /// Exact results at states.
@@ -50,8 +48,7 @@ pub struct Yardstick {
 /// Place of an output of a program in the exact results.
 #[derive(Clone, Copy)]
 struct ExactPlace {
-    /// Its place; `None` for an element that the exact function leaves out
-    /// since it is zero by structure.
+    /// Its place; `None` for an element that is zero by structure.
     exact: Option<usize>,
     /// Its array, as a place among those of the exact function.
     array: usize,
@@ -88,8 +85,7 @@ pub struct ErrorSpread {
     pub worst: f64,
 }
 
-/// JSON has no infinite numbers: they are written as null, and no error is one
-/// that is no number.
+/// JSON has no infinite numbers: they are null, and no error is NaN.
 fn infinite_where_null<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
     let error: Option<f64> = serde::Deserialize::deserialize(source)?;
     Ok(error.unwrap_or(f64::INFINITY))
@@ -98,15 +94,13 @@ fn infinite_where_null<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f6
 /// Distance of a program from the exact results.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct MeasuredErrors {
-    /// Of every element in every state, relative to its exact value; zero
-    /// elements are left out, and the error is infinite where all elements in
-    /// error are zero.
+    /// Of every element in every state, relative to its exact value, without
+    /// zeros; infinite where all elements in error are zero.
     pub relative: ErrorSpread,
     /// Of every array in every state: its largest error over its largest
     /// element. Arrays of zeros alone are left out.
     pub normwise: ErrorSpread,
-    /// The same of every array of the exact function on its own, in all
-    /// states.
+    /// The same of every array of the exact function, in all states.
     pub arrays: Vec<ErrorSpread>,
     /// For every output of the program its largest normwise error in any state.
     pub outputs: Vec<LargestErrors>,
@@ -117,8 +111,7 @@ pub struct MeasuredErrors {
 pub struct LargestErrors {
     /// Its name, as `qdd[3]`.
     pub name: String,
-    /// Over the largest element of its array among those the program
-    /// computes, in the same state.
+    /// Over the largest computed element of its array, in the same state.
     pub normwise: f64,
     /// The state of the largest normwise error, counted from 0.
     pub worst_state: usize,
@@ -132,8 +125,7 @@ impl Yardstick {
         Yardstick::at(view, states.collect())
     }
 
-    /// Evaluates a function exactly at states: numbers of all its input
-    /// elements.
+    /// Evaluates a function exactly at states: numbers of all its inputs.
     pub fn at(view: View<'_>, states: Vec<Vec<f64>>) -> Yardstick {
         let names = input_names(view);
         let name = |symbol| view.tables.symbols.text(symbol).to_owned();
@@ -171,10 +163,6 @@ impl Yardstick {
     }
 
     /// The inputs of a program in every state.
-    ///
-    /// # Errors
-    ///
-    /// See [`Unmeasurable`].
     pub fn inputs(&self, view: View<'_>) -> Result<Vec<Vec<f64>>, Unmeasurable> {
         let places = self.input_places(view)?;
         let pick = |state: &Vec<f64>| places.iter().map(|&place| state[place]).collect();
@@ -191,10 +179,6 @@ impl Yardstick {
     }
 
     /// The errors of a program computed in a format.
-    ///
-    /// # Errors
-    ///
-    /// See [`Unmeasurable`].
     pub fn errors(&self, view: View<'_>, format: Format) -> Result<MeasuredErrors, Unmeasurable> {
         let inputs = self.inputs(view)?;
         self.judge(view, &results(view, format, &inputs))
@@ -202,10 +186,6 @@ impl Yardstick {
 
     /// The errors of results that were computed elsewhere: for each state the
     /// outputs of a program, in the order of its assignments.
-    ///
-    /// # Errors
-    ///
-    /// See [`Unmeasurable`].
     pub fn judge(
         &self,
         view: View<'_>,
@@ -242,13 +222,8 @@ impl Yardstick {
         })
     }
 
-    /// For every state the largest error of an output divided by the allowed
-    /// one, for results as [`Yardstick::judge`] takes them. `allowed` belongs
-    /// to the program.
-    ///
-    /// # Errors
-    ///
-    /// See [`Unmeasurable`].
+    /// For every state the largest error of an output over the allowed one, for
+    /// results as for [`Yardstick::judge`]; `allowed` is the program's.
     pub fn shares(
         &self,
         view: View<'_>,
@@ -301,8 +276,7 @@ fn distance(exact: Double, computed: f64) -> f64 {
 /// Errors, state after state.
 struct ErrorTally {
     relative: Vec<f64>,
-    /// True when some element that is zero except for rounding was computed
-    /// otherwise.
+    /// True when an element that is zero but for rounding differs.
     vanishes: bool,
     normwise: Vec<f64>,
     arrays: Vec<Vec<f64>>,
@@ -391,8 +365,7 @@ pub fn input_names(view: View<'_>) -> Vec<String> {
         .collect()
 }
 
-/// The outputs of a program at states, in a format, as binary64 (which holds
-/// the numbers of every format).
+/// The outputs of a program at states, in a format, as binary64 numbers.
 pub fn results(view: View<'_>, format: Format, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
     // A function whose values have their own formats computes in them.
     if view.function.formats.is_some() {
@@ -420,7 +393,6 @@ pub fn results(view: View<'_>, format: Format, states: &[Vec<f64>]) -> Vec<Vec<f
     }
 }
 
-/// The exact outputs of a function at states.
 fn exact(view: View<'_>, states: &[Vec<f64>]) -> Vec<Vec<Double>> {
     let mut reference = ReferenceEvaluator::new(view.function, ReferenceEffort::DoubleDouble);
     let results = reference.evaluate(states).into_iter();
@@ -448,8 +420,7 @@ fn in_lanes<N: Copy, A: Arithmetic<Number = [N; LANES]>>(
     results
 }
 
-/// The inputs of at most as many states as there are lanes, input by input; a
-/// group that is not full repeats its first state.
+/// The inputs of a group of states, by inputs; the first fills up a group.
 fn gathered<N: Copy>(group: &[Vec<f64>], input: impl Fn(f64) -> N) -> Vec<[N; LANES]> {
     let number = |place: usize, lane: usize| group.get(lane).unwrap_or(&group[0])[place];
     let inputs = 0..group[0].len();

@@ -1,9 +1,8 @@
 //! Errors of a program at many states, as fast as a search needs them.
 //!
 //! The exact results are those of binary64 for formats that are much narrower,
-//! else of double-double. Results are not kept; a caller that needs them beyond
-//! doubt measures the states of a search again by a [`Yardstick`], or by
-//! [`QuickYardstick::exactly`].
+//! else of double-double. Results are not kept; a search measures its states
+//! again by a [`Yardstick`], or by [`QuickYardstick::exactly`].
 
 use super::{ExactPlace, LANES, Unmeasurable, Yardstick, distance, gathered, quotient, results};
 use robovec_analysis::interval::{GivenData, between, exact_literal};
@@ -51,10 +50,6 @@ pub struct QuickMemory {
 
 impl<'a> QuickYardstick<'a> {
     /// Prepares a program; errors are ratios to `allowed`, which belongs to it.
-    ///
-    /// # Errors
-    ///
-    /// See [`Unmeasurable`].
     pub fn new(
         function: View<'_>,
         program: (View<'a>, Format),
@@ -125,12 +120,10 @@ impl<'a> QuickYardstick<'a> {
         }
     }
 
-    /// The program.
     pub(crate) fn program(&self) -> View<'a> {
         self.program
     }
 
-    /// The format that it is computed in.
     pub(crate) fn format(&self) -> Format {
         self.format
     }
@@ -145,8 +138,7 @@ impl<'a> QuickYardstick<'a> {
         matches!(self.own, Some((GivenData::Held, _)))
     }
 
-    /// The allowed errors of outputs with these values; 1 where errors are
-    /// absolute.
+    /// Allowed errors of outputs with these values; 1 where they are absolute.
     pub(crate) fn allowed(&self, values: &[f64]) -> Vec<f64> {
         match &self.allowed {
             Some(allowed) => allowed.of(values),
@@ -234,7 +226,6 @@ impl<'a> QuickYardstick<'a> {
         }
     }
 
-    /// The outputs of the program.
     fn computed(&self, states: &[Vec<f64>], memory: &mut Vec<[f64; LANES]>) -> Vec<[f64; LANES]> {
         let pick = |state: &Vec<f64>| self.inputs.iter().map(|&place| state[place]).collect();
         let states: Vec<Vec<f64>> = states.iter().map(pick).collect();

@@ -1,12 +1,10 @@
 //! Drawing figures as SVG.
 //!
 //! Written for paper and screen: text stays text, curves are labelled at their
-//! ends, colour-blind readers can distinguish the colours, and with the markers
-//! they work in grey. Every marker has its values as an SVG title, which
-//! viewers show under the pointer.
+//! ends, everyone can distinguish the colours, and in grey the markers. Every
+//! marker has its values as an SVG title for the pointer.
 
 mod curves;
-mod labels;
 mod map;
 mod paint;
 mod scale;

@@ -26,8 +26,7 @@ pub(super) struct Svg {
     text: String,
 }
 
-/// Style of all drawings: thin greys for axes and grids, so that the data are
-/// more visible.
+/// Style of all drawings: thin greys for axes and grids under the data.
 const STYLE: &str = "text{font:11px Helvetica,Arial,'Liberation Sans',sans-serif;fill:#222}\
 .panel{font-weight:bold;font-size:12px}.axis{font-size:12px}.tick{fill:#444}\
 .grid{stroke:#e4e4e4;stroke-width:1}.frame{stroke:#666;stroke-width:1;fill:none}\
@@ -54,7 +53,6 @@ impl Svg {
         let _ = self.text.write_fmt(arguments);
     }
 
-    /// A straight line of a class.
     pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], class: &str) {
         self.write(format_args!(
             "<line class=\"{class}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n",
@@ -138,7 +136,6 @@ impl Svg {
         ));
     }
 
-    /// The finished drawing.
     pub(super) fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text

@@ -16,8 +16,7 @@ use serde::Serialize;
 pub struct ErrorReport {
     /// Reference of the outputs: `double-double`, `certified` or `audit`.
     pub reference: String,
-    /// The share of outputs, in all states, whose exact value is proved to the
-    /// last bit of binary64.
+    /// Share of outputs, in all states, proved to the last bit of binary64.
     pub certain: f64,
     /// Number of states.
     pub states: u32,

@@ -7,13 +7,13 @@
 
 mod error;
 mod records;
-mod rounding;
 mod schedule;
 mod text;
 
 pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, MatrixReport};
 pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
 
+pub use records::RoundingReport;
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::RoundingErrors;
 use robovec_error::errors::Heat;
@@ -23,7 +23,6 @@ use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
 use robovec_present::json::json_text;
-pub use rounding::RoundingReport;
 pub use schedule::{ByKind, KindReport, ScheduleReport, TransferReport};
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
@@ -37,8 +36,7 @@ pub struct PassRunRecord {
     pub name: String,
     /// Processor time, in seconds.
     pub cpu_s: f64,
-    /// The largest memory of the process so far, in MB; absent where the
-    /// system does not report it.
+    /// Largest memory of the process so far, MB; absent if it is not reported.
     pub peak_mb: Option<f64>,
     /// Operations after the pass, minus signs included, sine and cosine not.
     pub operations: usize,
@@ -46,8 +44,7 @@ pub struct PassRunRecord {
     pub asap_cycle: u32,
     /// The semantic check of the pass; absent when it was not requested.
     pub verdict: Option<CheckVerdict>,
-    /// Rounding errors in binary32 before and after the pass; absent when
-    /// they were not measured.
+    /// Rounding errors in binary32 before and after the pass, if measured.
     pub rounding: Option<[Arc<RoundingErrors>; 2]>,
 }
 
@@ -72,8 +69,7 @@ impl PassRunRecord {
 /// Measurements of a report.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ReportOptions {
-    /// Place where the states come from over which rounding errors are
-    /// measured.
+    /// Source of the states over which rounding errors are measured.
     pub states: States,
     /// Number of them.
     pub count: u32,
@@ -81,8 +77,7 @@ pub struct ReportOptions {
     pub read: Vec<ReadCounts>,
 }
 
-/// The counts of a function as read: passes split equations, and users expect
-/// the number in their file.
+/// Counts of a function as read, before passes split its equations.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ReadCounts {
     function: String,
@@ -141,9 +136,8 @@ pub struct FunctionReport {
     pub asap: u32,
     /// The longest chain, in cycles of the machine.
     pub asap_cycle: u32,
-    /// Operations per cycle of the longest chain: the maximum number of
-    /// processing elements that can be kept busy (the thesis' number Y). Absent
-    /// for a function without a chain.
+    /// Operations per cycle of the longest chain: the most processing elements
+    /// that can be busy (the thesis' Y). Absent without a chain.
     pub number_y: Option<f64>,
     /// User calls that split the function.
     pub boundaries: Vec<BoundaryReport>,

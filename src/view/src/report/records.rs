@@ -1,12 +1,13 @@
 //! Passes run on a function, and the user calls that split it.
 
 use super::PassRunRecord;
-use super::rounding::RoundingReport;
 use robovec_analysis::accuracy::ErrorSummary;
+use robovec_analysis::rounding::{MedianChange, Quantiles, RoundingErrors, UNIT};
 use robovec_framework::check::{CheckVerdict, Deviation, DomainVerdict, ErrorChange, FailureKind};
 use robovec_ir::print::print_output;
 use robovec_ir::{Boundary, View};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// One run of a pass.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -61,8 +62,7 @@ pub struct CheckReport {
     pub domain: &'static str,
     /// The condition that only one of them has.
     pub condition: Option<String>,
-    /// The number of states that decided about the output about which the
-    /// fewest did.
+    /// Number of states that decided about the least decided output.
     pub decided: Option<u32>,
     /// Failure.
     pub failure: Option<String>,
@@ -70,8 +70,7 @@ pub struct CheckReport {
     pub output: Option<String>,
     /// Kind of the failure: `signature`, `field`, `distance` or `bits`.
     pub kind: Option<&'static str>,
-    /// Largest difference an approximating pass made, over the largest
-    /// element of the array.
+    /// Largest difference by an approximating pass, over the largest element.
     pub deviation: Option<f64>,
     /// Rounding errors in binary32 before and after.
     pub binary32: Option<CheckErrors>,
@@ -203,5 +202,63 @@ impl BoundaryReport {
             result: boundary.result.clone(),
         };
         view.function.boundaries.iter().map(describe).collect()
+    }
+}
+
+/// Rounding errors before and after a pass, of all outputs in all states.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct RoundingReport {
+    /// Unit of the errors: the rounding of one operation.
+    pub unit: f64,
+    /// Number of states.
+    pub states: u32,
+    /// Seed of the states.
+    pub seed: u64,
+    /// Relative to the element.
+    pub relative: BeforeAfter,
+    /// The largest error of an array over its largest element.
+    pub normwise: BeforeAfter,
+}
+
+/// Two distributions, and how their medians compare.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct BeforeAfter {
+    /// Before the pass.
+    pub before: Quantiles,
+    /// After it.
+    pub after: Quantiles,
+    /// The median after the pass over that before.
+    pub ratio: f64,
+    /// The standard error of the ratio, as a part of the ratio.
+    pub noise: f64,
+    /// `better`, `same` or `worse`.
+    pub trend: &'static str,
+    #[serde(skip)]
+    pub(super) change: MedianChange,
+}
+
+impl RoundingReport {
+    pub(super) fn new([before, after]: &[Arc<RoundingErrors>; 2]) -> RoundingReport {
+        let both = |pick: fn(&RoundingErrors) -> Quantiles, change: MedianChange| BeforeAfter {
+            before: pick(before),
+            after: pick(after),
+            ratio: change.ratio,
+            noise: change.noise,
+            trend: change.trend.name(),
+            change,
+        };
+        RoundingReport {
+            unit: UNIT,
+            states: before.states,
+            seed: before.seed,
+            relative: both(
+                |rounding| rounding.relative,
+                MedianChange::relative(before, after),
+            ),
+            normwise: both(
+                |rounding| rounding.normwise,
+                MedianChange::normwise(before, after),
+            ),
+        }
     }
 }

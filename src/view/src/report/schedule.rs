@@ -24,14 +24,12 @@ pub struct ScheduleReport {
     pub cycles: u32,
     /// No schedule on this machine is shorter (proved).
     pub lower_bound: u32,
-    /// The machine's clock with the elements of the schedule, and where it
-    /// comes from; absent when the machine available is another one than that
-    /// of the schedule.
+    /// The machine's clock with the elements of the schedule, and its origin;
+    /// absent when the machine available is not that of the schedule.
     pub clock: Option<MachineClock>,
     /// Length at that clock, in microseconds.
     pub time_us: Option<f64>,
-    /// Operations over elements times cycles: the share of all issue slots
-    /// that is used.
+    /// Operations over elements times cycles: the used share of issue slots.
     pub parallelisation_rate: f64,
     /// Words of memory used per element; absent before `place`.
     pub memory: Option<ByKind>,
@@ -52,8 +50,7 @@ pub struct KindReport {
     pub count: u32,
     /// Operations they perform.
     pub operations: usize,
-    /// For each of 64 equal slices of the run the share of their
-    /// issue slots that is used.
+    /// For each of 64 equal slices of the run the used share of issue slots.
     pub occupation: Vec<f64>,
 }
 
@@ -95,8 +92,7 @@ impl Serialize for ByKind {
     }
 }
 
-/// Number of slices into which a run is divided for the chart of its
-/// occupation.
+/// Number of slices of a run for the chart of its occupation.
 pub(super) const SLICES: usize = 64;
 
 impl ScheduleReport {
@@ -147,7 +143,6 @@ impl ScheduleReport {
     }
 }
 
-/// The name of a number format.
 fn format_name(format: Format) -> String {
     match format {
         Format::BINARY32 => "binary32".to_owned(),

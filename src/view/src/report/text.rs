@@ -3,8 +3,8 @@
 mod chart;
 
 use super::error::{ArrayReport, ElementReport, FormatReport, MatrixReport};
+use super::records::RoundingReport;
 use super::records::{CheckErrors, CheckReport, PassReport};
-use super::rounding::RoundingReport;
 use super::schedule::{ByKind, ScheduleReport, TransferReport};
 use super::{FunctionReport, ModuleReport};
 use robovec_analysis::rounding::Quantiles;
@@ -343,8 +343,7 @@ fn usage<'a>(what: &'a str, kinds: &'a ByKind) -> impl Iterator<Item = Vec<Strin
 fn speed_against_error(function: &FunctionReport, text: &mut String) {
     let row = |name: &str, format: &FormatReport| {
         let summary = &format.summary;
-        // The machine computes in one format; its cycles say nothing about
-        // another.
+        // The machine computes in one format: its cycles are for no other.
         let schedule = function.schedule.as_ref().filter(|schedule| {
             let number = schedule.number.as_deref();
             number.is_some_and(|number| number.starts_with(name))
@@ -474,8 +473,7 @@ fn matrices(function: &FunctionReport, text: &mut String) {
     }
 }
 
-/// The elements with the largest errors in ulps, those without error left
-/// out.
+/// Elements with the largest errors in ulps, those without error left out.
 fn worst_elements(array: &ArrayReport) -> String {
     let mut elements: Vec<&ElementReport> = array
         .elements
