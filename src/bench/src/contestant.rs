@@ -39,8 +39,7 @@ pub struct Contestant {
     pub files: Vec<(String, Vec<u8>)>,
     /// Way in which the program `program` is made.
     pub steps: Vec<BuildStep>,
-    /// Files of its folder that the program reads when it runs, of which it
-    /// is not made.
+    /// Files of its folder that the program only reads when it runs.
     pub data: Vec<(String, Vec<u8>)>,
     /// Arguments of the program before the milliseconds.
     pub arguments: Vec<String>,
@@ -56,7 +55,6 @@ pub struct Contestant {
     pub shared: Option<String>,
 }
 
-/// Results of building.
 pub(super) struct Built {
     pub(super) seconds: Option<f64>,
     pub(super) code_bytes: Option<u64>,
@@ -80,8 +78,7 @@ pub(super) const RESULTS: &str = "results.bin";
 const MADE_OF: &str = "program.hash";
 
 impl Contestant {
-    /// One that computes these outputs, a state at a time, and has no program
-    /// yet.
+    /// One that computes these outputs, state by state, without a program yet.
     pub(super) fn named(
         name: &str,
         family: ContestantFamily,
@@ -105,7 +102,6 @@ impl Contestant {
         }
     }
 
-    /// Writes the files into its folder.
     pub(super) fn write(&self, place: &Path) -> std::io::Result<()> {
         for (name, content) in self.files.iter().chain(&self.data) {
             write_whole(&place.join(name), Replace::Anything, |writer| {
@@ -116,8 +112,7 @@ impl Contestant {
         Ok(())
     }
 
-    /// Builds it in an empty folder and runs it for a time; its least time per
-    /// state, ns. Results are not compared.
+    /// Builds it in an empty folder and runs it; its least time per state, ns.
     ///
     /// # Errors
     ///
@@ -177,7 +172,6 @@ impl Contestant {
         hash.text()
     }
 
-    /// Runs the program.
     pub(super) fn run(&self, place: &Path, milliseconds: u32) -> Result<RunTime, String> {
         let mut arguments = self.arguments.clone();
         arguments.push(milliseconds.to_string());

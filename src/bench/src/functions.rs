@@ -12,7 +12,6 @@ use std::fmt;
 /// The inputs that differ from state to state; all others are parameters.
 const VARYING: [&str; 6] = ["q", "qd", "qdd", "Qq", "frc", "trq"];
 
-/// Loads on bodies.
 const LOADS: [&str; 2] = ["frc", "trq"];
 
 /// An output element: array and indices from 1, 0 where there is none.
@@ -39,8 +38,7 @@ pub(super) fn is_varying(name: &str) -> bool {
     VARYING.contains(&name)
 }
 
-/// The inputs of a function in a state. `view` need not be that of the
-/// question: functions of the same question see the same numbers.
+/// The inputs of a function in a state; functions of a question share numbers.
 pub(super) fn inputs(question: &BenchQuestion<'_>, view: View<'_>, state: u32) -> Vec<f64> {
     let mut numbers = question.states.draw(view, state);
     let parameters = question.states.draw(view, 0);
@@ -64,9 +62,8 @@ pub(super) fn inputs(question: &BenchQuestion<'_>, view: View<'_>, state: u32) -
     numbers
 }
 
-/// True for the last joint of a body, counted from 1. A file that has all
-/// parameters as symbols has loads of the others as well, which its model does
-/// not know.
+/// True for the last joint of a body, counted from 1. A file with all
+/// parameters as symbols has loads of others, unknown to its model.
 fn is_loaded(model: &Model, joint: u32) -> bool {
     let place = (joint as usize).checked_sub(1);
     place.is_some_and(|place| place < model.joints.len() && model.body_of(place).is_some())
@@ -88,7 +85,6 @@ pub(super) fn outputs(view: View<'_>) -> Vec<OutputKey> {
         .collect()
 }
 
-/// Expected results.
 pub(super) struct ReferenceResults<'a> {
     view: View<'a>,
     keys: Vec<OutputKey>,
@@ -113,8 +109,7 @@ impl<'a> ReferenceResults<'a> {
         }
     }
 
-    /// The errors of some results against the exact ones, relative to the
-    /// largest element of an array.
+    /// The errors of results, relative to the largest element of an array.
     pub(super) fn errors(&self, keys: &[OutputKey], results: &[Vec<f64>]) -> ErrorSpread {
         let places = self.places(keys);
         let rows = results.iter().map(|found| {
@@ -127,8 +122,7 @@ impl<'a> ReferenceResults<'a> {
         measured.normwise
     }
 
-    /// Places of the outputs in the results of another tool: a symmetric
-    /// element may be in the other half of its matrix.
+    /// Places of outputs in the results of another tool, perhaps transposed.
     fn places(&self, keys: &[OutputKey]) -> Vec<Option<usize>> {
         let places: BTreeMap<&OutputKey, usize> = keys.iter().zip(0..).collect();
         assert_eq!(places.len(), keys.len(), "nobody sets an output twice");

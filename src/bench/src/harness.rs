@@ -1,9 +1,8 @@
 //! The main program around a C function.
 //!
 //! Inputs come from `inputs.bin`: for every state all input elements in order
-//! of declaration, as doubles. Arrays that differ from state to state are kept
-//! for each state, parameters once. Results are the elements that the function
-//! sets, in order of its assignments.
+//! of declaration, as doubles. Arrays that differ are kept for each state,
+//! parameters once. Results are the assigned elements, in order.
 
 use super::functions::is_varying;
 use robovec_cgen::c::Real;
@@ -11,23 +10,19 @@ use robovec_framework::template::fill;
 use robovec_ir::{Array, Shape, View};
 use std::fmt::Write;
 
-/// Way in which a function is called.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum CallingConvention {
     /// Arrays one after the other, inputs first.
     Plain,
-    /// Runs of this number of states, with parameters of these names prepared
-    /// once.
+    /// Runs of this number of states, with these parameters prepared once.
     Batch(u32, Vec<String>),
-    /// Several states in sequence, in one call, with shared parameters of these
-    /// names.
+    /// Several states in sequence, in one call, with these parameters shared.
     States(u32, Vec<String>),
     /// Robotran's: some outputs, the data structure, some scalars.
     Robotran(Vec<Parameter>),
 }
 
 impl CallingConvention {
-    /// States of a call.
     pub(super) fn lanes(&self) -> u32 {
         match self {
             CallingConvention::Batch(lanes, _) | CallingConvention::States(lanes, _) => *lanes,
@@ -45,8 +40,7 @@ impl CallingConvention {
         }
     }
 
-    /// The place of an element in an array of this extent that holds all lanes
-    /// of a group, lane `l`.
+    /// Place of an element, lane `l`, in an array of a group's lanes.
     fn place(&self, element: &str, extent: &str) -> String {
         match self {
             CallingConvention::States(..) => format!("l * {extent} + {element}"),
@@ -66,8 +60,7 @@ pub(super) enum Parameter {
     Scalar(String),
 }
 
-/// The file that declares `MbsData` for the arrays of a function: the inputs,
-/// and the outputs without a parameter.
+/// The file that declares `MbsData` for a function's inputs and outputs.
 pub(super) fn data_header(view: View<'_>) -> String {
     let mut text = String::from(
         "#ifndef ROBOVEC_BENCH_MBS_DATA_H\n#define ROBOVEC_BENCH_MBS_DATA_H\ntypedef struct {\n",
@@ -93,10 +86,8 @@ pub(super) fn data_header(view: View<'_>) -> String {
 pub(super) struct Callee<'a> {
     /// The equations that it computes.
     pub(super) view: View<'a>,
-    /// The type it computes in.
     pub(super) real: Real,
     pub(super) call: &'a CallingConvention,
-    /// Header that declares it.
     pub(super) header: &'a str,
     pub(super) name: &'a str,
 }
@@ -263,7 +254,6 @@ impl HarnessWriter<'_> {
         }
     }
 
-    /// A field of the data structure.
     fn field(&mut self, index: usize, name: &str, shape: Shape, element: &str) {
         match shape {
             Shape::Scalar => {
@@ -335,8 +325,7 @@ impl HarnessWriter<'_> {
         self.storage += "};\n";
     }
 
-    /// True for an output that a function as Robotran writes it leaves in the
-    /// data structure.
+    /// True for an output of a Robotran function in the data structure.
     fn is_in_data(&self, array: &Array) -> bool {
         let CallingConvention::Robotran(parameters) = self.call else {
             return false;

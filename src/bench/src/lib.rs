@@ -10,8 +10,7 @@
 //! States differ in positions, velocities, accelerations, forces of joints and
 //! loads; parameters are the model's, or drawn once. Contestants run in
 //! sequence in rounds, so that a busy minute of the computer affects all of
-//! them. Times are processor times of the thread: they are measurements and
-//! differ from run to run.
+//! them. Times are processor times of the thread, and differ from run to run.
 
 pub mod contestant;
 mod functions;
@@ -44,15 +43,13 @@ pub struct BenchQuestion<'a> {
     pub view: View<'a>,
     /// The model, whose parameters are used and which peers need.
     pub model: Option<&'a Model>,
-    /// True if loads on bodies are drawn where there is a model; they are zero
-    /// otherwise.
+    /// True if loads on bodies of a model are drawn, else zero.
     pub has_loads: bool,
     /// Origin of the states.
     pub states: &'a States,
     /// Number of states: a multiple of 16.
     pub count: u32,
-    /// The flags with which every program's C is compiled; those that suit each
-    /// kind of it when `None`.
+    /// The flags with which all C is compiled; `None`: those of each kind.
     pub flags: Option<&'a str>,
 }
 
@@ -80,11 +77,9 @@ pub struct BenchOutcome {
     pub compile_seconds: Option<f64>,
     /// Size of the compiled function's code, bytes.
     pub code_bytes: Option<u64>,
-    /// The largest difference from the reference, relative to the largest
-    /// element of the output array in its state.
+    /// Largest difference from the reference, over the array's largest element.
     pub difference: Option<f64>,
-    /// Errors against exact results, relative to the largest element of an
-    /// array.
+    /// Errors against exact results, relative to an array's largest element.
     pub errors: Option<ErrorSpread>,
     /// Least processor time per state, ns.
     pub nanoseconds: Option<f64>,
@@ -110,10 +105,6 @@ pub type BenchProgress<'a> = &'a mut dyn FnMut(&str);
 /// Builds all contestants, compares their results, and times them in rounds of
 /// `milliseconds` each. `folder` takes the programs; those that read the model
 /// as data are built there once, for all models.
-///
-/// # Errors
-///
-/// Fails when the folder cannot be written.
 pub fn bench(
     question: &BenchQuestion<'_>,
     contestants: &[Contestant],
@@ -197,8 +188,7 @@ pub fn bench(
     Ok(outcomes)
 }
 
-/// For every program that several compilers made, the fastest of them, instead
-/// of the first.
+/// Of every program by several compilers the fastest one, in the first's place.
 pub fn by_the_better_compiler(outcomes: Vec<BenchOutcome>) -> Vec<BenchOutcome> {
     let mut best: Vec<BenchOutcome> = Vec::with_capacity(outcomes.len());
     for outcome in outcomes {

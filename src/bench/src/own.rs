@@ -53,7 +53,6 @@ pub struct ContestantPlan<'a> {
 }
 
 impl ContestantPlan<'_> {
-    /// The contestant without a program.
     fn named(&self) -> Contestant {
         Contestant {
             operations: Some(operations(self.view)),
@@ -69,8 +68,7 @@ impl ContestantPlan<'_> {
         }
     }
 
-    /// The contestant with files of C, a main program around them, and the
-    /// command that builds them.
+    /// The contestant with files of C, a main program and the command to build.
     pub(super) fn program(
         &self,
         callee: &Callee<'_>,
@@ -213,8 +211,7 @@ struct Generated<'a> {
 }
 
 impl<'a> Generated<'a> {
-    /// A function that computes in binary64 and takes its arrays one after the
-    /// other.
+    /// A function in binary64 that takes its arrays one after the other.
     fn plain(files: [(String, String); 2], flags: &'a str) -> Generated<'a> {
         Generated {
             files,
@@ -224,7 +221,6 @@ impl<'a> Generated<'a> {
         }
     }
 
-    /// The program around the function.
     fn contestant(&self, plan: &ContestantPlan<'_>) -> Contestant {
         let flags = plan.question.flags_or(self.flags);
         let command = &plan.compiler.command;

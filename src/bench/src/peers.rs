@@ -1,10 +1,8 @@
-//! Other programs that a user could call: a hand-written loop, Pinocchio,
-//! MuJoCo, CasADi.
+//! Other programs a user could call: a written loop, Pinocchio, MuJoCo, CasADi.
 //!
 //! The programs are files of `benches/peers`; libraries are taken from the
 //! user's Python packages (`pin`, `mujoco`, `casadi`), whose folders Python
-//! reports. Tools that are not installed are named in the table with their
-//! packages.
+//! reports. Missing tools are in the table with their packages.
 
 use super::contestant::{Contestant, ContestantFamily, RESULTS};
 use super::functions::inputs;
@@ -102,8 +100,7 @@ pub fn peers(
     list
 }
 
-/// Reason why some peers do not take part. MuJoCo's derivatives are difference
-/// quotients.
+/// Reason why some peers are missing. MuJoCo derives by difference quotients.
 const NO_DERIVATIVES: &str = "it has no function for derivatives";
 
 /// Titles of the peers in the table, in the order of their names.
@@ -158,8 +155,7 @@ impl PeerQuestion<'_> {
         }
     }
 
-    /// The number of states and a flag for loads, then the bytes of each state
-    /// (`peer.h`).
+    /// Number of states, a flag for loads, then each state's bytes (`peer.h`).
     fn state_bytes(&self) -> Vec<u8> {
         let (question, joints) = (self.question, self.model.joints.len());
         let head = [
@@ -290,8 +286,7 @@ impl PeerQuestion<'_> {
     }
 }
 
-/// An input array of a state, this number of components for every joint; zero
-/// where the function reads none.
+/// An input array of a state, by components and joints; else zeros.
 fn elements(
     view: View<'_>,
     inputs: &[f64],

@@ -1,9 +1,8 @@
 //! Robotran's file, unchanged.
 //!
 //! The file is compiled unchanged, beside its own header, against a data
-//! structure that has the fields it reads and no others. A file in Matlab or
-//! Python, or the equations of a model, are written as one C function first, in
-//! Robotran's style.
+//! structure that has the fields it reads and no others. Matlab, Python and a
+//! model's equations are written as one C function first.
 
 use super::BenchQuestion;
 use super::contestant::{Contestant, ContestantFamily};
@@ -184,9 +183,8 @@ fn temporaries(view: View<'_>) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Name, declaration and parameters of the first function of a file in
-/// Robotran's interface: one that takes the data structure, and is not local to
-/// the file.
+/// Name, declaration and parameters of a file's first function in Robotran's
+/// interface: it takes the data structure, and is not local to the file.
 fn signature(text: &str) -> Option<(String, String, Vec<Parameter>)> {
     let code: String = text
         .lines()
@@ -198,8 +196,7 @@ fn signature(text: &str) -> Option<(String, String, Vec<Parameter>)> {
     lines.find_map(declaration)
 }
 
-/// The declaration a text begins with. Functions return nothing, or a flag for
-/// success.
+/// The declaration a text begins with; a function may return a success flag.
 fn declaration(text: &str) -> Option<(String, String, Vec<Parameter>)> {
     let returned = ["void", "int"]
         .into_iter()

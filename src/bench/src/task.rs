@@ -96,8 +96,7 @@ impl BenchTask {
         }
     }
 
-    /// Outputs that peers write for a state: matrices in full, one after the
-    /// other, then the vector.
+    /// Outputs that peers write for a state: full matrices, then the vector.
     pub(super) fn outputs(self, joints: u32) -> Vec<OutputKey> {
         let vector = |array: &str| -> Vec<OutputKey> {
             let key = |row| OutputKey {
@@ -144,8 +143,7 @@ impl BenchTask {
         }
     }
 
-    /// Reason why the peers, which know trees of free joints, do not compute
-    /// the same for a model.
+    /// Reason why peers, which know trees of free joints, differ for a model.
     pub(super) fn unknown_to_peers(self, model: &Model) -> Option<&'static str> {
         let is_driven = |nature: Nature| nature == Nature::Driven;
         match self {

@@ -6,8 +6,7 @@ use robovec_error::yardstick::account::measure_text;
 use robovec_present::number::{exponential, or_dash};
 use std::fmt::Write;
 
-/// The outcomes as an aligned table, the fastest of a group last; errors are
-/// those at `states`, described in words.
+/// The outcomes as a table, the fastest of a group last; errors at `states`.
 ///
 /// The ratio is against Robotran's file, or the first contestant that ran.
 pub fn text(title: &str, states: &str, outcomes: &[BenchOutcome]) -> String {

@@ -91,18 +91,13 @@ fn seconds(text: &str) -> Option<f64> {
     Some(60.0 * minutes.parse::<f64>().ok()? + rest.parse::<f64>().ok()?)
 }
 
-/// Output of a program.
-///
-/// # Errors
-///
-/// The reason why it does not run, or its message when it fails.
+/// Output of a program, or the reason or message of its failure.
 pub(super) fn output(place: &Path, command: &str, arguments: &[String]) -> Result<String, String> {
     let call = ProgramCall::new(command).folder(place).arguments(arguments);
     told(command, &call.run().map_err(|error| error.to_string())?)
 }
 
-/// Output of a program that succeeded; the line with the reason, of one that
-/// failed.
+/// Output of a program that succeeded; else the line with the reason.
 fn told(command: &str, run: &FinishedProcess) -> Result<String, String> {
     let text = run.text();
     if run.status.success() {

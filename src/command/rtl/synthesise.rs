@@ -8,8 +8,7 @@ use robovec_explore::device;
 use robovec_explore::operators::{ADDERS, MULTIPLIERS, Operator};
 use robovec_fpga::hardware::{MachineShape, estimate_of};
 use robovec_fpga::rtl::cores::OperatorCore;
-use robovec_hardware::synthesis::cores::{self, Mapped};
-use robovec_hardware::synthesis::rounding::operator_error;
+use robovec_hardware::synthesis::cores::{self, Mapped, operator_error};
 use robovec_hardware::synthesis::timing::Path;
 use robovec_hardware::synthesis::{SynthesisError, Yosys, machine, page, place};
 use robovec_io::process::ToolError;
@@ -78,8 +77,7 @@ pub(super) fn run(arguments: &SynthesiseArguments) -> Result<String, CommandFail
     Ok(text)
 }
 
-/// An error when yosys, or a program for placement and routing, is not
-/// installed.
+/// An error when yosys, or a program that places and routes, is not installed.
 pub(super) fn require_tools(routes: bool) -> Result<(), CommandFailure> {
     Yosys::find().map_err(failure)?;
     if routes {
@@ -88,8 +86,7 @@ pub(super) fn require_tools(routes: bool) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// A page about a machine mapped part by part, with the time of a program of
-/// this number of cycles.
+/// A page about a machine mapped by parts, with the time of some cycles.
 pub(super) fn machine(
     shape: &MachineShape,
     files: &[(String, String)],
@@ -114,8 +111,7 @@ pub(super) fn machine(
     Ok(text)
 }
 
-/// The clock of a machine, placed and routed, beside its estimate, and the time
-/// of its program of this number of cycles.
+/// The clock of a machine, placed and routed, beside its estimate.
 pub(super) fn routed(
     (machine, shape): (&Machine, &MachineShape),
     files: &[(String, String)],
@@ -168,7 +164,6 @@ pub(super) fn routed(
     Ok(text)
 }
 
-/// An error of the mapping, for the user.
 pub(super) fn failure(error: SynthesisError) -> CommandFailure {
     let notes = match &error {
         SynthesisError::Tool(ToolError::Time { .. }) => {

@@ -28,11 +28,6 @@ pub enum BenchFailure {
 
 /// The files of the folder `tb/` for a placed function and the images that
 /// were made of it, as (name, text); one run per vector of inputs.
-///
-/// # Errors
-///
-/// Fails when the images cannot be loaded or run in the simulator, or are for
-/// no hardware.
 pub fn bench_files(
     view: View<'_>,
     machine: &Machine,

@@ -1,5 +1,4 @@
-//! Hardware on disk: benches with the outputs expected by the simulator, and
-//! the tools that run them.
+//! Hardware on disk: benches with the simulator's outputs, and their tools.
 //!
 //! `passes/fpga/src/rtl` writes text and computes no numbers; here the
 //! cycle-accurate simulator gives the benches the expected result of every

@@ -35,8 +35,7 @@ robovec_num::named! {
 }
 
 impl HardwareSimulator {
-    /// The programs it takes, with the argument that makes them print their
-    /// version.
+    /// The programs it takes, with the argument that prints their version.
     fn programs(self) -> &'static [(&'static str, &'static str)] {
         match self {
             HardwareSimulator::Icarus => &[("iverilog", "-V"), ("vvp", "-V")],
@@ -115,11 +114,6 @@ pub struct Checked {
 
 /// Builds the benches of a folder with the hardware of another, which contains
 /// `files.f`, and runs them through the named windows.
-///
-/// # Errors
-///
-/// Fails when the tool is missing, the bench cannot be built, or it finds a
-/// mistake.
 pub fn check(
     folder: &Path,
     hardware: &Path,
@@ -146,8 +140,7 @@ pub fn check(
     })
 }
 
-/// A bench has passed when every host window reports success and none reports a
-/// failure.
+/// A bench has passed when every host window reports success, none a failure.
 fn judge(output: &FinishedProcess, doors: usize) -> Result<Vec<String>, CheckFailure> {
     let said = output.text();
     let is = |word: &'static str| move |line: &&str| line.starts_with(word);

@@ -20,8 +20,7 @@ const MLAB_WIDTH: usize = 20;
 /// Resources of the instances of one module.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ModuleCount {
-    /// The module's name in the source; variants of different parameters
-    /// have the same.
+    /// Name of the module in the source, which all its variants have.
     pub name: String,
     /// The module's name in the netlist.
     pub netlist_name: String,
@@ -82,7 +81,6 @@ fn instances<'a>(netlist: &'a Netlist, order: &[&'a str], top: &'a str) -> BTree
     instances
 }
 
-/// Resources of a module's own cells.
 fn own(module: &NetlistModule) -> ResourceUse {
     let mut taken = ResourceUse::default();
     let mut mlabs: BTreeMap<String, usize> = BTreeMap::new();
@@ -127,8 +125,7 @@ fn addresses(cell: &NetlistCell) -> String {
     format!("{:?} {:?} {:?}", of("A1ADDR"), of("A1EN"), of("B1ADDR"))
 }
 
-/// Primitives of the design that are none of the device: a sign that the
-/// mapping is not complete.
+/// Primitives that are none of the device: the mapping is not complete.
 pub fn unknown_cells(netlist: &Netlist, top: &str) -> Result<Vec<String>, SynthesisError> {
     let mut unknown = BTreeSet::new();
     for name in netlist.bottom_up(top)? {

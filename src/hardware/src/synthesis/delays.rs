@@ -11,13 +11,11 @@ use super::netlist::readable;
 /// Representation of a cell's delays.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DelayModel {
-    /// Outputs follow inputs: pairs of an input and its delay; every input
-    /// reaches every output.
+    /// Outputs follow inputs: pairs of an input and its delay to all outputs.
     Logic(&'static [(&'static str, u32)]),
     /// One bit of a carry chain.
     Carry,
-    /// Outputs change after the clock: the output ports, their delay, and the
-    /// set-up times of the inputs.
+    /// Outputs change after the clock: ports, delay, set-up times of inputs.
     Clocked {
         /// The ports that change.
         outputs: &'static [&'static str],
@@ -26,8 +24,7 @@ pub(super) enum DelayModel {
         /// Inputs and their set-up times.
         setup: &'static [(&'static str, u32)],
     },
-    /// Written at the clock, read without it: the output follows the bits of
-    /// the read address.
+    /// Written at the clock, read without it: outputs follow the read address.
     LookUpMemory,
     /// Not part of any timing path.
     Ignored,
@@ -59,8 +56,7 @@ pub(super) const LOOK_UP_READ: [u32; 5] = [487, 475, 382, 284, 96];
 /// Set-up times of a memory in logic.
 pub(super) const LOOK_UP_SETUP: [(&str, u32); 3] = [("A1ADDR", 86), ("A1DATA", 86), ("A1EN", 86)];
 
-/// Clock to output of a register, which drives a port that a
-/// register outside is assumed to read.
+/// Clock to output of a register, which a register outside reads.
 pub(super) const REGISTER: u32 = 731;
 
 /// The module of a memory with two ports that both read and write.

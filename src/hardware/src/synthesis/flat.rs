@@ -33,7 +33,6 @@ impl Primitive<'_> {
     }
 }
 
-/// An opened instance.
 #[derive(Debug)]
 pub(super) struct Instance<'a> {
     /// Its path below the top, parts separated by dots; empty for the top.
@@ -42,13 +41,11 @@ pub(super) struct Instance<'a> {
     pub(super) module: &'a str,
 }
 
-/// The flat design.
 #[derive(Debug)]
 pub(super) struct Flat<'a> {
     pub(super) primitives: Vec<Primitive<'a>>,
     /// The opened instances, the top first.
     pub(super) instances: Vec<Instance<'a>>,
-    /// Number of nets.
     pub(super) nets: u32,
     /// Nets of the top's inputs, with the port and bit.
     pub(super) inputs: Vec<(String, u32)>,
@@ -97,12 +94,7 @@ impl InstanceNets {
     }
 }
 
-/// Opens all instances below a module.
-///
-/// # Errors
-///
-/// Fails when a module instantiates itself, or the design has millions of
-/// primitives.
+/// Opens all instances below a module, fewer than millions of primitives.
 pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>, SynthesisError> {
     // Refuses designs that contain themselves, so that the stack empties.
     netlist.bottom_up(top)?;
@@ -175,7 +167,6 @@ pub(super) fn flatten<'a>(netlist: &'a Netlist, top: &'a str) -> Result<Flat<'a>
     Ok(flat)
 }
 
-/// The nets of the top's ports.
 fn ports(
     module: &NetlistModule,
     scope: &mut InstanceNets,

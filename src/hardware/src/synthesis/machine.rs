@@ -45,8 +45,7 @@ pub struct MappedMachine {
     pub quick: Option<Path>,
     /// The longest path with slow nets.
     pub slow: Option<Path>,
-    /// Clocks of a cycle: paths between registers of the elements have that
-    /// many.
+    /// Clocks of a cycle, for paths between registers of the elements.
     pub phases: u32,
 }
 
@@ -87,11 +86,6 @@ pub fn design(files: &[(String, String)]) -> SynthesisDesign {
 }
 
 /// Maps a machine.
-///
-/// # Errors
-///
-/// Fails when yosys cannot be run, refuses the design, or leaves a memory or
-/// another cell unmapped.
 pub fn map(
     tool: &Yosys,
     shape: &MachineShape,

@@ -1,5 +1,4 @@
-//! Mapping of generated hardware to the cells of a Cyclone V by yosys, its
-//! resources, and its maximum clock.
+//! Mapping of hardware to cells of a Cyclone V by yosys, and its clock.
 //!
 //! The vendor's tools are not needed: yosys' `synth_intel_alm` maps Verilog
 //! to look-up tables, registers, memory blocks and multipliers
@@ -12,17 +11,14 @@
 pub mod cores;
 pub mod count;
 mod delays;
-mod error;
 mod flat;
 pub mod machine;
 pub mod netlist;
 pub mod page;
 pub mod place;
-pub mod rounding;
-pub mod script;
 pub mod timing;
 pub mod tool;
 
-pub use error::SynthesisError;
-pub use script::SynthesisDesign;
+pub use tool::SynthesisDesign;
+pub use tool::SynthesisError;
 pub use tool::Yosys;

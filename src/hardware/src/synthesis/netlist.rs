@@ -78,20 +78,11 @@ pub enum Bit {
 
 impl Netlist {
     /// Reads the text of a netlist.
-    ///
-    /// # Errors
-    ///
-    /// Fails when it is not JSON, or not in the form of yosys.
     pub fn parse(text: &str) -> Result<Netlist, SynthesisError> {
         serde_json::from_str(text).map_err(|error| SynthesisError::Netlist(error.to_string()))
     }
 
-    /// The name of the module with the attribute `top`, else of the only
-    /// module that is no library cell.
-    ///
-    /// # Errors
-    ///
-    /// Fails when there is none.
+    /// Name of the module with the attribute `top`, else of the only own one.
     pub fn top(&self) -> Result<&str, SynthesisError> {
         let own = || {
             self.modules

@@ -77,8 +77,7 @@ fn resources(machine: &MappedMachine) -> String {
     text_table(head, &rows)
 }
 
-/// Tables, registers, memory blocks and multiplier blocks: both counts and
-/// the difference.
+/// Tables, registers, memory and multipliers: both counts, the difference.
 fn pairs(counted: &ResourceUse, estimated: &ResourceUse) -> Vec<String> {
     let of = |value: fn(&ResourceUse) -> f64| (value(counted), value(estimated));
     let all = [
@@ -153,8 +152,7 @@ pub fn steps(path: &Path) -> String {
     text
 }
 
-/// A cell's name without the suffixes that yosys adds for each cell on the way
-/// to the net that it is named after.
+/// A cell's name without the suffixes of yosys.
 fn short(name: &str) -> String {
     let first = |text: &str, end: &str| {
         let part = text.split(end).next();

@@ -58,13 +58,7 @@ impl RoutedMachine {
     }
 }
 
-/// Places and routes a machine's Verilog once for every seed, of which there
-/// is one at least. It takes minutes.
-///
-/// # Errors
-///
-/// Fails when a tool is missing, refuses the design, or prints an unreadable
-/// report.
+/// Places and routes a machine's Verilog once for every seed, in minutes.
 pub fn place_and_route(
     yosys: &Yosys,
     files: &[(String, String)],

@@ -1,11 +1,10 @@
 //! The longest path from register to register: static timing.
 //!
 //! Every net gets the latest time at which it can change after the clock:
-//! outputs of clocked cells after their own delay, outputs of logic after the
-//! latest of their inputs. The delay of a net from cell to cell is one figure
-//! for all nets ([`FAST_NET`] to [`SLOW_NET`]); a carry has a dedicated wire
-//! without delay. A path ends at an input of a clocked cell, plus its set-up
-//! time.
+//! outputs of clocked cells after their delay, outputs of logic after their
+//! latest input. The delay of a net from cell to cell is one figure for all
+//! nets ([`FAST_NET`] to [`SLOW_NET`]); a carry has a dedicated wire without
+//! delay. A path ends at an input of a clocked cell, plus its set-up time.
 //!
 //! **Limits.** There is no placement and routing; delays of cells are those of
 //! one speed grade as yosys publishes them; multipliers have no registers
@@ -31,13 +30,11 @@ pub const SLOW_NET: u32 = 900;
 pub struct PathSelection {
     /// Those that start at a register or memory.
     pub from_registers: bool,
-    /// Those that start at an input, which changes that long after the
-    /// clock, ps.
+    /// From an input, which changes that long after the clock, ps.
     pub from_inputs: Option<u32>,
     /// Those that end at a register or memory.
     pub to_registers: bool,
-    /// Paths that end at an output, as if at a register without set-up time,
-    /// one net away.
+    /// To an output, as if to a register without set-up time, one net away.
     pub to_outputs: bool,
 }
 
@@ -50,8 +47,7 @@ impl PathSelection {
         to_outputs: false,
     };
 
-    /// The design between registers: one before every input, one after
-    /// every output.
+    /// The design with a register before every input and after every output.
     pub const ENCLOSED: PathSelection = PathSelection {
         from_registers: true,
         from_inputs: Some(delays::REGISTER),
@@ -116,8 +112,7 @@ impl<'a> NetlistTiming<'a> {
     ///
     /// # Errors
     ///
-    /// Fails when a cell is unknown, logic goes in circles, or the design
-    /// cannot be opened.
+    /// Fails at an unknown cell or logic in circles, or as opening does.
     pub fn new(netlist: &'a Netlist, top: &'a str) -> Result<NetlistTiming<'a>, SynthesisError> {
         let flat = flat::flatten(netlist, top)?;
         let model = |primitive: &Primitive<'_>| {
@@ -139,8 +134,7 @@ impl<'a> NetlistTiming<'a> {
         })
     }
 
-    /// The longest path when every net takes this number of picoseconds; none
-    /// when no path is of the kinds requested.
+    /// The longest path at this delay of nets, ps, of the kinds requested.
     pub fn longest(&self, net: u32, paths: PathSelection) -> Option<Path> {
         let arrivals = self.arrivals(net, paths);
         let mut worst: Option<(u32, u32, Net)> = None;
@@ -331,8 +325,7 @@ fn through(
     latest
 }
 
-/// The ports of a primitive of logic that its outputs follow, and its
-/// outputs; none for cells that paths do not go through.
+/// The ports of a primitive of logic that its outputs follow, and these.
 fn logic_ports(model: DelayModel) -> Option<(&'static [&'static str], &'static [&'static str])> {
     match model {
         DelayModel::Logic(_) => Some((&["A", "B", "C", "D", "E", "F"], &["Q", "Y"])),
