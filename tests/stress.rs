@@ -15,7 +15,7 @@ fn names_are_unique_and_every_class_has_cases() {
     assert_eq!(names.len(), cases.len());
     for class in CaseClass::ALL {
         assert!(cases.iter().any(|case| case.class == class), "{class:?}");
-        assert_eq!(CaseClass::from_name(class.name()), Some(class));
+        assert_eq!(CaseClass::from_name(class.name), Some(class));
     }
     for verdict in StressVerdict::ALL {
         let met = cases.iter().any(|case| case.expected == Some(verdict));

@@ -45,7 +45,7 @@ pub(super) struct StressArguments {
 }
 
 fn classes() -> clap::builder::PossibleValuesParser {
-    CaseClass::ALL.map(CaseClass::name).into()
+    CaseClass::ALL.map(|class| class.name).into()
 }
 
 /// Runs the command: the text for the standard output.
@@ -147,7 +147,7 @@ fn chosen(arguments: &StressArguments) -> Result<Vec<StressCase>, CommandFailure
         cases.retain(|case| arguments.case.contains(&case.name));
     }
     if let Some(class) = &arguments.class {
-        cases.retain(|case| case.class.name() == class);
+        cases.retain(|case| case.class.name == class);
     }
     if cases.is_empty() {
         let message = "no case of this class has one of these names".to_owned();
@@ -183,7 +183,7 @@ fn list(cases: &[StressCase]) -> String {
             continue;
         }
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{}: {}", class.name(), class.description());
+        let _ = writeln!(text, "{}: {}", class.name, class.description);
         let width = of_class().map(|case| case.name.len()).fold(0, usize::max);
         for case in of_class() {
             let breaks = match case.breaks.as_str() {
@@ -228,7 +228,7 @@ fn complaints(arguments: &StressArguments, findings: &[(&StressCase, Findings)])
         let mut of_class = findings.iter().filter(|(case, _)| case.class == class);
         let cured = of_class.clone().any(|(_, found)| found.cure.is_some());
         if of_class.next().is_some() && !cured {
-            complaints.push(format!("no case of the class '{}' is cured", class.name()));
+            complaints.push(format!("no case of the class '{}' is cured", class.name));
         }
     }
     complaints

@@ -31,8 +31,7 @@ pub struct Findings {
     pub floor: f64,
     /// The untreated program in binary32.
     pub short: Measured,
-    /// The program in binary64 that cures are compared with: the same, but
-    /// with true functions.
+    /// The program in binary64 that cures are compared with, of true functions.
     pub long: Measured,
     /// The verdict on the untreated program in binary32.
     pub verdict: StressVerdict,
@@ -53,16 +52,13 @@ const CLOSE: f64 = 10.0;
 /// programs differ by a bit or two by luck.
 const BETTER: f64 = 8.0;
 
-/// The error of a result with one digit: beyond it no result is better than
-/// another.
+/// Error of a result with one digit: beyond it no result is better.
 const ONE_DIGIT: f64 = 0.1;
 
-/// The shortest mantissa that is tried: with fewer bits no error is below ten
-/// times the rounding of binary32.
+/// The shortest mantissa tried: others err by ten binary32 roundings.
 const NARROWEST: u32 = 18;
 
-/// Maximum error in the widest format, relative to the wanted one, for shorter
-/// ones to be tried: luck brings a bit or two.
+/// Maximum error in the widest format for shorter ones to be tried.
 const HOPELESS: f64 = 100.0;
 
 /// The programs that get a format for every value.
@@ -84,10 +80,6 @@ impl Findings {
 }
 
 /// Measures the untreated program alone; no cures are tried.
-///
-/// # Errors
-///
-/// [`StressError`].
 pub fn judge(case: &StressCase) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
     let (findings, _) = judged(case, bench.as_ref())?;
@@ -95,10 +87,6 @@ pub fn judge(case: &StressCase) -> Result<Findings, StressError> {
 }
 
 /// Measures a case and tries cures.
-///
-/// # Errors
-///
-/// [`StressError`].
 pub fn examine(case: &StressCase) -> Result<Findings, StressError> {
     let bench = case.subject.prepare()?;
     let (mut findings, mut attempts) = judged(case, bench.as_ref())?;
@@ -164,26 +152,7 @@ impl Attempts<'_> {
         Ok(self.trials.len() - 1)
     }
 
-    /// Tries a program in a format of this number of bits: its index among the
-    /// trials.
-    fn in_format(
-        &mut self,
-        program: &ProgramTreatment,
-        exponent: u32,
-        mantissa: u32,
-    ) -> Result<usize, StressError> {
-        self.attempt(ProgramTreatment {
-            format: Format::Float(NumberFormat {
-                exponent,
-                mantissa,
-                subnormals: true,
-            }),
-            ..program.clone()
-        })
-    }
-
-    /// As [`Attempts::attempt`]; a program that a pass refuses is no remedy,
-    /// and no fault of the pass.
+    /// As [`Attempts::attempt`]; a program that a pass refuses is no remedy.
     fn allowed(&mut self, treatment: ProgramTreatment) -> Result<(), StressError> {
         match self.attempt(treatment) {
             Ok(_) | Err(StressError::Passes(_)) => Ok(()),
@@ -191,8 +160,7 @@ impl Attempts<'_> {
         }
     }
 
-    /// True when a program in the format of the untreated one has a much
-    /// smaller error.
+    /// True when a program in the untreated format has a much smaller error.
     fn is_bettered(&self, error: f64) -> bool {
         let programs = self.trials.iter().filter(|trial| {
             trial.treatment.is_another_program(&self.untreated) && trial.measured.consistent
@@ -222,13 +190,8 @@ impl Attempts<'_> {
     /// is small enough or it costs more than the cheapest known remedy.
     fn exhaust(&mut self, exponent: u32, goal: f64) -> Result<(), StressError> {
         for program in self.programs() {
-            let floats = (NARROWEST..=Format::WIDEST.mantissa).map(|mantissa| {
-                Format::Float(NumberFormat {
-                    exponent,
-                    mantissa,
-                    subnormals: true,
-                })
-            });
+            let mantissas = NARROWEST..=Format::WIDEST.mantissa;
+            let floats = mantissas.map(|mantissa| float_format(exponent, mantissa));
             self.widen(&program, floats, goal)?;
             if let Some(largest) = self.bench.largest(&program) {
                 self.widen(&program, fixed_formats(largest), goal)?;
@@ -238,18 +201,14 @@ impl Attempts<'_> {
     }
 
     /// Tries a program in successive formats until its error is small enough or
-    /// it costs more than the cheapest known remedy; skipped when even the
-    /// last, the widest, is far from the goal.
+    /// it costs more than a known remedy; skipped when the widest is far off.
     fn widen(
         &mut self,
         program: &ProgramTreatment,
         formats: impl Iterator<Item = Format> + Clone,
         goal: f64,
     ) -> Result<(), StressError> {
-        let within = |format: Format| ProgramTreatment {
-            format,
-            ..program.clone()
-        };
+        let within = |format: Format| program.with(|it| it.format = format);
         if let Some(widest) = formats.clone().last() {
             let tried = self.attempt(within(widest))?;
             let error = self.trials[tried].measured.error;
@@ -275,18 +234,15 @@ impl Attempts<'_> {
         for program in self.programs().into_iter().take(MOST_MIXED) {
             for part in [1.0, 0.03] {
                 // What is not a value (inputs, a state) stays in binary64.
-                self.allowed(ProgramTreatment {
-                    mixed: Some(goal * part),
-                    format: Format::BINARY64,
-                    ..program.clone()
-                })?;
+                self.allowed(program.with(|it| {
+                    (it.mixed, it.format) = (Some(goal * part), Format::BINARY64);
+                }))?;
             }
         }
         Ok(())
     }
 
-    /// The program of the smallest cost among those in the same format, when it
-    /// is another than the untreated one.
+    /// The cheapest program in the same format, unless it is the untreated one.
     fn shortest(&self) -> Option<ProgramTreatment> {
         let others = self.trials.iter().filter(|trial| {
             trial.treatment.is_another_program(&self.untreated) && trial.cost < 1.0
@@ -307,7 +263,8 @@ impl Attempts<'_> {
         let (mut short, mut enough) = (24, Format::WIDEST.mantissa);
         while short < enough {
             let mantissa = (short + enough) / 2;
-            let tried = self.in_format(program, exponent, mantissa)?;
+            let format = float_format(exponent, mantissa);
+            let tried = self.attempt(program.with(|it| it.format = format))?;
             if self.trials[tried].measured.error <= goal {
                 enough = mantissa;
             } else {
@@ -318,8 +275,15 @@ impl Attempts<'_> {
     }
 }
 
-/// The formats of fixed point that hold a number, from the smallest bits that
-/// make sense on.
+fn float_format(exponent: u32, mantissa: u32) -> Format {
+    Format::Float(NumberFormat {
+        exponent,
+        mantissa,
+        subnormals: true,
+    })
+}
+
+/// Formats of fixed point that hold a number, from few bits on.
 fn fixed_formats(largest: f64) -> impl Iterator<Item = Format> + Clone {
     let holds = |integer: &u32| largest < 2f64.powi(*integer as i32);
     let integer = (0..MOST_FIXED).find(holds).unwrap_or(MOST_FIXED);
@@ -328,8 +292,7 @@ fn fixed_formats(largest: f64) -> impl Iterator<Item = Format> + Clone {
         .map(move |fraction| Format::Fixed(FixedFormat { integer, fraction }))
 }
 
-/// The cheapest trial with an error that is small enough; the first of those
-/// that cost the same.
+/// The cheapest trial of a small enough error, the first of equal ones.
 fn cheapest(trials: &[TreatmentTrial], error: f64) -> Option<usize> {
     let good = |trial: &TreatmentTrial| trial.measured.consistent && trial.measured.error <= error;
     let good = trials.iter().enumerate().filter(|(_, trial)| good(trial));
@@ -345,12 +308,7 @@ fn judged<'a>(
 ) -> Result<(Findings, Attempts<'a>), StressError> {
     let untreated = case.subject.untreated();
     let format = untreated.format;
-    let in_format = |format: Format| {
-        bench.measure(&ProgramTreatment {
-            format,
-            ..untreated.clone()
-        })
-    };
+    let in_format = |format: Format| bench.measure(&untreated.with(|it| it.format = format));
     let short = in_format(format)?;
     let long = bench.measure(&case.subject.standard())?;
     let wide = match format {

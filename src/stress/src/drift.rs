@@ -5,10 +5,10 @@
 //! with the loops only as well as they were integrated. Everything is computed
 //! in the format: the generated equations, the elimination, the steps.
 
+use super::case::Memo;
 use super::case::{Measured, StressBench, StressSubject};
-use super::dynamics::{DynamicsSubject, Metric};
+use super::dynamics::{shared_model, shared_state, worst};
 use super::linear::eliminate;
-use super::memo::Memo;
 use super::numbers::{Evaluation, Wide, Work, WorkingPrecision};
 use super::program::{ModelProgram, ProgramRecipe};
 use super::treatment::LoopStabilisation;
@@ -39,12 +39,9 @@ pub(super) struct DriftSubject {
 impl DriftSubject {
     /// A model from its initial state on, in this number of steps (s).
     pub(super) fn new(model: Model, (step, steps): (f64, u64)) -> DriftSubject {
-        let initial = MotionState::initial(&model);
-        // Rounds the numbers of both.
-        let mut shared = DynamicsSubject::new(model, vec![initial], Metric::Accelerations);
         DriftSubject {
-            initial: shared.states.remove(0),
-            model: shared.model,
+            initial: shared_state(MotionState::initial(&model)),
+            model: shared_model(model),
             step,
             steps,
         }
@@ -63,45 +60,29 @@ impl StressSubject for DriftSubject {
     }
 
     fn untreated(&self) -> ProgramTreatment {
-        ProgramTreatment {
-            step: Some(self.step),
-            ..ProgramTreatment::default()
-        }
+        ProgramTreatment::default().with(|it| it.step = Some(self.step))
     }
 
     /// The loops projected, which keeps them closed to all digits.
     fn standard(&self) -> ProgramTreatment {
-        ProgramTreatment {
-            format: Format::BINARY64,
-            stabilisation: LoopStabilisation::Projection,
-            ..self.untreated()
-        }
+        self.untreated().with(|it| {
+            it.format = Format::BINARY64;
+            it.stabilisation = LoopStabilisation::Projection;
+        })
     }
 
     fn programs(&self) -> Vec<ProgramTreatment> {
         let kinds = [LoopStabilisation::Baumgarte, LoopStabilisation::Projection];
-        let programs = kinds.map(|stabilisation| ProgramTreatment {
-            stabilisation,
-            ..self.untreated()
-        });
-        programs.to_vec()
+        let program = |kind| self.untreated().with(|it| it.stabilisation = kind);
+        kinds.map(program).to_vec()
     }
 
     fn candidates(&self) -> Vec<ProgramTreatment> {
         let mut list = self.programs();
         for program in std::iter::once(self.untreated()).chain(self.programs()) {
-            list.push(ProgramTreatment {
-                compensated: true,
-                ..program.clone()
-            });
-            list.push(ProgramTreatment {
-                format: Format::BINARY64,
-                ..program.clone()
-            });
-            list.push(ProgramTreatment {
-                state: Some(Format::BINARY64),
-                ..program
-            });
+            list.push(program.with(|it| it.compensated = true));
+            list.push(program.with(|it| it.format = Format::BINARY64));
+            list.push(program.with(|it| it.state = Some(Format::BINARY64)));
         }
         list
     }
@@ -152,13 +133,11 @@ struct DriftRun<'a> {
 struct LoopSlope<'a> {
     bench: &'a DriftBench<'a>,
     state: &'a MotionState,
-    /// The rate at which the residual decreases, 1/s; zero without
-    /// stabilisation.
+    /// Rate at which the residual decreases, 1/s; zero without stabilisation.
     rate: f64,
 }
 
-/// Joints projected onto the loops: the smallest changes of positions or
-/// velocities that close them to first order.
+/// Joints projected onto the loops by the smallest changes, to first order.
 struct LoopCorrection<'a> {
     bench: &'a DriftBench<'a>,
     state: &'a MotionState,
@@ -169,8 +148,7 @@ struct LoopCorrection<'a> {
 /// The number of steps in which the residual decreases by a factor of e.
 const CLOSING_STEPS: f64 = 5.0;
 
-/// Number of corrections of the positions after a step; each leaves the square
-/// of the residual before it.
+/// Number of corrections of positions after a step; each squares the residual.
 const CORRECTIONS: u32 = 2;
 
 impl DriftBench<'_> {
@@ -206,7 +184,7 @@ impl DriftBench<'_> {
         let numbers = WorkingPrecision::Reference;
         let flat = self.position.evaluate(numbers, Units::SI, &inputs);
         let residuals = self.position.array("h", &flat, self.rows);
-        super::dynamics::worst(residuals.iter().map(|x| x.high.abs()))
+        worst(residuals.iter().map(|x| x.high.abs()))
     }
 
     /// The longest coordinate of the model, m.
@@ -287,8 +265,7 @@ impl Work for DriftRun<'_> {
 }
 
 impl Work for LoopSlope<'_> {
-    /// Velocities, then accelerations; not numbers where the loops do not
-    /// determine them.
+    /// Velocities, then accelerations; NaN where loops do not determine them.
     type Result = Vec<f64>;
 
     fn run<A: Arithmetic<Number: Wide>>(self, a: &A) -> Vec<f64> {
@@ -358,7 +335,6 @@ impl Work for LoopCorrection<'_> {
     }
 }
 
-/// A scalar product.
 fn product<A: Arithmetic>(a: &A, x: &[A::Number], y: &[A::Number]) -> A::Number {
     debug_assert_eq!(x.len(), y.len(), "vectors of one length");
     let pairs = x.iter().zip(y);
@@ -371,8 +347,7 @@ fn moving<A: Arithmetic>(a: &A, row: &[A::Number], velocities: &[f64]) -> A::Num
     product(a, row, &velocities)
 }
 
-/// The operations of an elimination with one right-hand side: equal numbers of
-/// products and sums.
+/// Operations of an elimination with one right-hand side, half of them sums.
 fn elimination(size: usize) -> OperationWork {
     let size = size as f64;
     let half = size.powi(3) / 3.0 + size * size;

@@ -4,17 +4,16 @@
 //! from the same inputs. Accelerations are measured as forward after inverse
 //! dynamics: the forces `Qq` that a known `qdd` takes are computed in the
 //! format, then `M x = Qq - c` is solved and `x` compared with `qdd`. The
-//! solution itself is computed in double-double numbers, so that only the error
-//! of the equations remains.
+//! solution is in double-double numbers: only the error of equations remains.
 
 mod errors;
 mod solution;
 
 pub(super) use errors::{componentwise, normwise, sensitivity, worst};
 
+use super::case::Memo;
 use super::case::{Measured, StressBench, StressSubject};
 use super::linear::solve;
-use super::memo::Memo;
 use super::numbers::{WorkingPrecision, rounded};
 use super::program::{ModelProgram, ProgramRecipe, shared};
 use super::treatment::{BALANCED, PASSES};
@@ -69,7 +68,7 @@ impl DynamicsSubject {
 }
 
 /// The model with every parameter rounded to binary32.
-fn shared_model(mut model: Model) -> Model {
+pub(super) fn shared_model(mut model: Model) -> Model {
     for body in &mut model.bodies {
         body.mass = shared(body.mass);
         body.center = body.center.map(shared);
@@ -83,11 +82,9 @@ fn shared_model(mut model: Model) -> Model {
 }
 
 /// The state with every number rounded to binary32.
-fn shared_state(mut state: MotionState) -> MotionState {
+pub(super) fn shared_state(mut state: MotionState) -> MotionState {
     for numbers in [&mut state.q, &mut state.qd, &mut state.qdd] {
-        numbers
-            .iter_mut()
-            .for_each(|number| *number = shared(*number));
+        numbers.iter_mut().for_each(|x| *x = shared(*x));
     }
     state
 }
@@ -105,14 +102,14 @@ struct DynamicsBench<'a> {
     programs: Memo<ProgramKey, Arc<ModelProgram>>,
 }
 
-#[derive(Clone, PartialEq)]
-struct ProgramKey {
-    kind: FunctionKind,
-    formulation: Formulation,
-    passes: &'static str,
-    mixed: Option<f64>,
-    only: Option<&'static str>,
-}
+/// Function, formulation, passes, error of `mixed`, and computed array.
+type ProgramKey = (
+    FunctionKind,
+    Formulation,
+    &'static str,
+    Option<f64>,
+    Option<&'static str>,
+);
 
 impl StressSubject for DynamicsSubject {
     fn metric(&self) -> &'static str {
@@ -124,14 +121,11 @@ impl StressSubject for DynamicsSubject {
     }
 
     fn untreated(&self) -> ProgramTreatment {
-        ProgramTreatment {
-            formulation: if self.articulated {
-                Formulation::Articulated
-            } else {
-                Formulation::default()
-            },
-            ..ProgramTreatment::default()
+        let mut untreated = ProgramTreatment::default();
+        if self.articulated {
+            untreated.formulation = Formulation::Articulated;
         }
+        untreated
     }
 
     fn programs(&self) -> Vec<ProgramTreatment> {
@@ -161,41 +155,27 @@ impl StressSubject for DynamicsSubject {
             .filter(|(formulation, passes)| {
                 self.is_small() || passes.is_empty() || *formulation == Formulation::Recursive
             })
-            .map(|(formulation, passes)| ProgramTreatment {
-                formulation,
-                passes,
-                ..plain.clone()
-            })
+            .map(|program| plain.with(|it| (it.formulation, it.passes) = program))
             .collect()
     }
 
     fn candidates(&self) -> Vec<ProgramTreatment> {
         let plain = self.untreated();
-        let with = |change: &dyn Fn(&mut ProgramTreatment)| {
-            let mut treatment = plain.clone();
-            change(&mut treatment);
-            treatment
-        };
-        let mut list = vec![with(&|t| t.units = true)];
+        let mut list = vec![plain.with(|it| it.units = true)];
         if self.articulated {
-            list.push(with(&|t| t.passes = BALANCED));
-            list.push(with(&|t| t.forces = Some(Format::BINARY64)));
-            list.push(with(&|t| {
-                (t.forces, t.refinements) = (Some(Format::BINARY64), 3);
-            }));
+            list.push(plain.with(|it| it.passes = BALANCED));
+            let precise = plain.with(|it| it.forces = Some(Format::BINARY64));
+            list.push(precise.clone());
+            list.push(precise.with(|it| it.refinements = 3));
             return list;
         }
-        list.push(with(&|t| {
-            (t.formulation, t.units) = (Formulation::Composite, true);
-        }));
+        let composite = plain.with(|it| it.formulation = Formulation::Composite);
+        list.push(composite.with(|it| it.units = true));
         if self.metric == Metric::Accelerations {
+            let precise = composite.with(|it| it.forces = Some(Format::BINARY64));
             for refinements in [0, 1, 2, 4] {
                 for units in [false, true] {
-                    list.push(with(&|t| {
-                        t.forces = Some(Format::BINARY64);
-                        t.formulation = Formulation::Composite;
-                        (t.refinements, t.units) = (refinements, units);
-                    }));
+                    list.push(precise.with(|it| (it.refinements, it.units) = (refinements, units)));
                 }
             }
         }
@@ -206,8 +186,7 @@ impl StressSubject for DynamicsSubject {
         self.model.joints.len() <= SMALL
     }
 
-    /// Accelerations are no single function: the pass cannot weight errors by
-    /// the effect of the solution.
+    /// Accelerations are no single function whose errors the pass could weight.
     fn mixes(&self) -> bool {
         self.is_small() && self.metric != Metric::Accelerations
     }
@@ -252,21 +231,13 @@ impl DynamicsBench<'_> {
         } else {
             Formulation::default()
         };
-        let passes = treatment.passes;
-        let key = ProgramKey {
-            kind,
-            formulation,
-            passes,
-            mixed: treatment.mixed,
-            only,
-        };
+        let (passes, mixed) = (treatment.passes, treatment.mixed);
+        let key = (kind, formulation, passes, mixed, only);
         self.programs.get(key, || {
             let recipe = ProgramRecipe {
                 formulation,
                 passes,
-                mixed: treatment
-                    .mixed
-                    .map(|error| (error, &self.subject.states[..])),
+                mixed: mixed.map(|error| (error, &self.subject.states[..])),
                 only,
             };
             ModelProgram::new(&self.subject.model, kind, recipe).map(Arc::new)
@@ -385,8 +356,7 @@ impl DynamicsBench<'_> {
             return Ok(first);
         }
         let format = treatment.force_format();
-        // The program is affine in the forces: what no force does is taken
-        // away from what the missing ones do.
+        // The program is affine in forces: the part without any is taken away.
         let idle = run(&vec![0.0; joints]);
         let mut guess = state.clone();
         guess.qdd = first.iter().map(|number| number.high).collect();

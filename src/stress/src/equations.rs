@@ -1,9 +1,9 @@
 //! Equations as text with given inputs.
 
+use super::case::Memo;
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{componentwise, normwise, sensitivity, worst};
 use super::forms::{TextForm, TextForms};
-use super::memo::Memo;
 use super::numbers::{Evaluation, WorkingPrecision};
 use super::program::{evaluate_mixture, is_normal, largest, shared, text_program};
 use super::treatment::PASSES;
@@ -29,8 +29,7 @@ impl EquationsSubject {
         EquationsSubject::of_host(text, inputs.into_iter().map(share).collect())
     }
 
-    /// Equations with inputs that the host has in binary64: rounding them to
-    /// a format is part of the error.
+    /// Equations with binary64 inputs, whose rounding is part of the error.
     pub(super) fn of_host(text: impl Into<String>, inputs: Vec<Vec<f64>>) -> EquationsSubject {
         EquationsSubject {
             forms: TextForms::new(text, inputs),

@@ -9,8 +9,7 @@ pub(super) struct TextForm<N> {
     /// A module of one function in the text form.
     pub(super) text: String,
     pub(super) numbers: N,
-    /// True when the numbers are not those of the case but were prepared by the
-    /// host.
+    /// True when the host prepared the numbers from those of the case.
     pub(super) prepared: bool,
 }
 
@@ -62,8 +61,7 @@ impl<N> TextForms<N> {
         found.ok_or_else(|| StressError::Passes(format!("there is no form '{name}'")))
     }
 
-    /// A treatment with every list of passes over the forms in the numbers of
-    /// the case, or over the others.
+    /// A treatment with every list of passes over some forms of the case.
     pub(super) fn treatments(
         &self,
         prepared: bool,

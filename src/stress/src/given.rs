@@ -1,15 +1,13 @@
-//! Cases of a given model or function, driven to difficult states: poses in
-//! which the mass matrix or the loops are nearly singular, limits of joints,
-//! high speeds, large angles, and the states of the largest errors that a
-//! search finds.
+//! Cases of a given model or function in difficult states: nearly singular
+//! masses or loops, limits, high speeds, large angles, worst found states.
 
 use super::StressError;
 use super::case::{CaseClass, StressCase, StressSubject};
-use super::draw::Draw;
 use super::dynamics::{DynamicsSubject, Metric};
 use super::equations::EquationsSubject;
 use super::linear::{condition, estimated_condition};
 use super::loops::LoopsSubject;
+use super::numbers::Draw;
 use super::numbers::WorkingPrecision;
 use super::program::{ModelProgram, ProgramRecipe};
 use super::units::Units;
@@ -104,8 +102,7 @@ fn case(
     }
 }
 
-/// A random state: positions within the limits of joints, or within half a
-/// turn or metre around the initial ones.
+/// A random state within the limits of joints, or around the initial ones.
 fn drawn(model: &Model, draw: &mut Draw) -> MotionState {
     let mut state = MotionState::initial(model);
     for (index, joint) in model.joints.iter().enumerate() {

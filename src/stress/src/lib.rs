@@ -1,5 +1,4 @@
-//! Hard cases: models and equations that are known to break floating point,
-//! measured, judged, and cured.
+//! Hard cases of floating point: models and equations, measured and cured.
 //!
 //! A [`StressCase`] is built, computed in binary32 without treatment and
 //! compared with a reference in double-double numbers. The error is compared
@@ -8,15 +7,13 @@
 //! error. Then candidates for remedies are tried (other recursions, passes,
 //! coordinates, units, formats of all values or of each, refinement,
 //! compensated sums, steps, loops kept closed), and the cheapest that comes
-//! close to binary64 is reported. The constructions are described in
-//! `docs/stress.md`.
+//! close to binary64 is reported. `docs/stress.md` has the cases.
 //!
 //! **Invariant.** Nothing depends on clocks, threads or the order of work.
 
 mod case;
 mod cases;
 mod cure;
-mod draw;
 mod drift;
 mod dynamics;
 mod equations;
@@ -25,7 +22,6 @@ mod given;
 mod linear;
 mod long;
 mod loops;
-mod memo;
 mod numbers;
 mod page;
 mod program;
@@ -33,17 +29,15 @@ mod series;
 mod steps;
 mod treatment;
 pub mod units;
-mod verdict;
 mod view;
 mod whole_step;
 
-pub use case::{CaseClass, Measured, StressCase};
+pub use case::{ALLOWANCE, CaseClass, Measured, StressCase, StressVerdict, verdict};
 pub use cases::cases;
 pub use cure::{Findings, TreatmentTrial, examine, judge};
 pub use given::{of_function, of_model};
 pub use page::{figure, page};
 pub use treatment::{LoopStabilisation, ProgramTreatment};
-pub use verdict::{ALLOWANCE, StressVerdict, verdict};
 pub use view::{CaseFinding, gaps, headline, lines, steps, table, text, worst};
 
 use robovec_dynamics::generate::GenerateError;

@@ -5,13 +5,7 @@ use robovec_dynamics::kinematics::linear::DenseMatrix;
 use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::{Double, DoubleDouble};
 
-/// The factor `L` of `M = L L'` (Cholesky), instead of the lower triangle of
-/// the entries of `M`, row by row.
-///
-/// # Errors
-///
-/// The first pivot that is not positive: in these numbers the matrix is not
-/// positive definite.
+/// The factor `L` of `M = L L'` (Cholesky), or its first pivot not positive.
 pub(super) fn factorise<A: Arithmetic<Number: Wide>>(
     arithmetic: &A,
     size: usize,
@@ -65,8 +59,7 @@ pub(super) fn substitute<A: Arithmetic>(
     x
 }
 
-/// Solves a positive definite system in double-double numbers; by elimination
-/// with pivots when it is not positive definite.
+/// Solves a positive definite system, or another with pivots, exactly.
 pub(super) fn solve(size: usize, matrix: &[Double], right: &[Double]) -> Option<Vec<Double>> {
     let mut factor = matrix.to_vec();
     match factorise(&DoubleDouble, size, &mut factor) {
@@ -75,8 +68,7 @@ pub(super) fn solve(size: usize, matrix: &[Double], right: &[Double]) -> Option<
     }
 }
 
-/// Gaussian elimination with partial pivoting in any arithmetic; `None` when a
-/// pivot vanishes.
+/// Gaussian elimination with partial pivoting; `None` when a pivot vanishes.
 pub(super) fn eliminate<A: Arithmetic<Number: Wide>>(
     a: &A,
     size: usize,
@@ -183,9 +175,8 @@ pub(super) fn condition(matrix: DenseMatrix) -> f64 {
     most / least
 }
 
-/// The condition number of a positive definite matrix too large for Jacobi's
-/// method, by power iteration on the matrix and on its inverse; infinite when
-/// binary64 cannot factorise it.
+/// Condition number of a positive definite matrix too large for Jacobi's
+/// method, by power iterations; infinite when binary64 cannot factorise it.
 pub(super) fn estimated_condition(size: usize, entries: &[f64]) -> f64 {
     assert_eq!(entries.len(), size * size, "a square matrix");
     use robovec_num::arithmetic::Binary64;

@@ -1,8 +1,8 @@
 //! Long simulations in one arithmetic.
 
+use super::case::Memo;
 use super::case::{Measured, StressBench, StressSubject};
-use super::dynamics::{DynamicsSubject, Metric};
-use super::memo::Memo;
+use super::dynamics::{shared_model, shared_state};
 use super::numbers::{Wide, Work, WorkingPrecision};
 use super::{ProgramTreatment, StressError};
 use robovec_dynamics::generate::{Formulation, GenerationRequest, generate};
@@ -20,7 +20,6 @@ use std::ops::Add;
 /// Conserved quantity.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Kept {
-    /// The energy.
     Energy,
     /// Linear and angular momentum.
     Momentum,
@@ -44,11 +43,9 @@ impl Long {
         kept: Kept,
         [duration, step]: [f64; 2],
     ) -> Long {
-        // Rounds the numbers of both.
-        let mut shared = DynamicsSubject::new(model, vec![initial], Metric::Accelerations);
         Long {
-            initial: shared.states.remove(0),
-            model: shared.model,
+            initial: shared_state(initial),
+            model: shared_model(model),
             kept,
             duration,
             step,
@@ -72,35 +69,20 @@ impl StressSubject for Long {
     }
 
     fn untreated(&self) -> ProgramTreatment {
-        ProgramTreatment {
-            step: Some(self.step),
-            ..ProgramTreatment::default()
-        }
+        ProgramTreatment::default().with(|it| it.step = Some(self.step))
     }
 
     fn candidates(&self) -> Vec<ProgramTreatment> {
         let plain = self.untreated();
-        let mut list = vec![
-            ProgramTreatment {
-                compensated: true,
-                ..plain.clone()
-            },
-            ProgramTreatment {
-                state: Some(Format::BINARY64),
-                ..plain.clone()
-            },
-        ];
-        // Another step, and how far it brings binary32.
-        for step in [1e-2, 1e-3] {
-            if step > self.step {
-                list.push(ProgramTreatment {
-                    step: Some(step),
-                    compensated: true,
-                    ..plain.clone()
-                });
-            }
-        }
-        list
+        let compensated = plain.with(|it| it.compensated = true);
+        let precise = plain.with(|it| it.state = Some(Format::BINARY64));
+        // Other steps, and how far they bring binary32.
+        let steps = [1e-2, 1e-3].into_iter().filter(|step| *step > self.step);
+        let others = steps.map(|step| compensated.with(|it| it.step = Some(step)));
+        [compensated.clone(), precise]
+            .into_iter()
+            .chain(others)
+            .collect()
     }
 
     fn rounds(&self) -> bool {
@@ -179,13 +161,10 @@ impl StressBench for LongBench<'_> {
         f64::NAN
     }
 
-    /// Error of the method at this step, and error of the energy by reading the
-    /// state in the format.
+    /// Errors of the method at this step, and of the energy by the format.
     fn floor(&self, format: Format) -> f64 {
-        let treatment = ProgramTreatment {
-            format: Format::BINARY64,
-            ..self.subject.untreated()
-        };
+        let treatment = self.subject.untreated();
+        let treatment = treatment.with(|it| it.format = Format::BINARY64);
         self.error(&treatment).0.max(format.unit_roundoff())
     }
 

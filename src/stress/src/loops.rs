@@ -1,9 +1,9 @@
 //! Accelerations of closed loops.
 
+use super::case::Memo;
 use super::case::{Measured, StressBench, StressSubject};
-use super::dynamics::{DynamicsSubject, Metric, normwise, sensitivity, worst};
+use super::dynamics::{normwise, sensitivity, shared_model, shared_state, worst};
 use super::linear::eigenvalues;
-use super::memo::Memo;
 use super::numbers::WorkingPrecision;
 use super::program::ProgramRecipe;
 use super::treatment::PASSES;
@@ -21,14 +21,13 @@ use std::sync::Arc;
 /// Models with closed loops.
 pub(super) struct LoopsSubject {
     closed: Vec<Closed>,
-    /// Closes the loops as well, from the positions of the independent joints.
-    whole: bool,
 }
 
 /// A model in a state that closes its loops.
 struct Closed {
     model: Model,
     state: MotionState,
+    /// Closes the loops as well, from the positions of the independent joints.
     whole: bool,
 }
 
@@ -47,26 +46,19 @@ impl LoopsSubject {
     pub(super) fn in_states(
         models: impl IntoIterator<Item = (Model, MotionState)>,
     ) -> LoopsSubject {
-        let closed = models.into_iter().map(|(model, state)| {
-            // Rounds the numbers of both.
-            let mut shared = DynamicsSubject::new(model, vec![state], Metric::Accelerations);
-            Closed {
-                state: shared.states.remove(0),
-                model: shared.model,
-                whole: false,
-            }
-        });
-        LoopsSubject {
-            closed: closed.collect(),
+        let closed = models.into_iter().map(|(model, state)| Closed {
+            state: shared_state(state),
+            model: shared_model(model),
             whole: false,
-        }
+        });
+        let closed = closed.collect();
+        LoopsSubject { closed }
     }
 
     /// The same with the whole step measured: positions and velocities of
     /// dependent joints are computed from the others, in the same numbers as
     /// accelerations. Each partition is compared with its own exact results.
     pub(super) fn whole_step(mut self) -> LoopsSubject {
-        self.whole = true;
         for closed in &mut self.closed {
             closed.whole = true;
         }
@@ -75,14 +67,10 @@ impl LoopsSubject {
 }
 
 impl Closed {
-    /// The program for a treatment; a partition of coordinates for which the
-    /// model gives no equations is no treatment of it.
+    /// The program for a treatment, if its partition has equations.
     fn program(&self, treatment: &ProgramTreatment) -> Result<LoopProgram, StressError> {
         if !treatment.independent.is_empty() {
-            let plain = ProgramTreatment {
-                independent: Vec::new(),
-                ..treatment.clone()
-            };
+            let plain = treatment.with(|it| it.independent.clear());
             let divided = Closed {
                 model: divided(&self.model, &treatment.independent),
                 state: self.state.clone(),
@@ -110,6 +98,10 @@ impl Closed {
     ) -> Vec<Double> {
         program.accelerations(numbers, inputs, self.model.joints.len())
     }
+
+    fn exact(&self, program: &LoopProgram, inputs: &[f64]) -> Vec<Double> {
+        self.accelerations(program, WorkingPrecision::Reference, inputs)
+    }
 }
 
 /// The model with these joints independent, of those that are not driven.
@@ -128,8 +120,7 @@ fn divided(model: &Model, independent: &[String]) -> Model {
 /// The maximum number of partitions that are tried.
 const PARTITIONS: usize = 16;
 
-/// Other partitions of a model's coordinates: one independent joint exchanged
-/// for one that is dependent.
+/// Other partitions of coordinates: one independent joint exchanged.
 fn partitions(model: &Model) -> Vec<Vec<String>> {
     let of = |nature: Nature| {
         let joints = model
@@ -201,7 +192,7 @@ impl StressSubject for LoopsSubject {
     }
 
     fn mixes(&self) -> bool {
-        !self.whole && self.is_small()
+        self.is_small() && !self.closed.iter().any(|closed| closed.whole)
     }
 
     fn prepare(&self) -> Result<Box<dyn StressBench + '_>, StressError> {
@@ -252,7 +243,7 @@ impl<'a> PreparedLoop<'a> {
         let plain = subject.program(&ProgramTreatment::default())?;
         let inputs = plain.inputs(&subject.state);
         Ok(PreparedLoop {
-            exact: subject.accelerations(&plain, WorkingPrecision::Reference, &inputs),
+            exact: subject.exact(&plain, &inputs),
             equations: MotionEquations::new(&subject.model, &EquationSetting::default())?,
             subject,
             plain,
@@ -278,12 +269,10 @@ impl<'a> PreparedLoop<'a> {
             ..ProgramTreatment::default()
         })?;
         let inputs = program.inputs(&self.subject.state);
-        let subject = self.subject;
-        Ok(subject.accelerations(&program, WorkingPrecision::Reference, &inputs))
+        Ok(self.subject.exact(&program, &inputs))
     }
 
-    /// Of the matrix `[M J'; J 0]` of accelerations and multipliers, redundant
-    /// rows left out.
+    /// Of `[M J'; J 0]` of accelerations and multipliers without redundancy.
     fn condition(&self) -> f64 {
         let joints = self.subject.model.joints.len();
         let (mass, _) = self.equations.dynamics(&self.subject.state);
@@ -309,9 +298,7 @@ impl<'a> PreparedLoop<'a> {
         const DRAWS: u64 = 8;
         let inputs = self.plain.inputs(&self.subject.state);
         sensitivity(format.unit_roundoff(), DRAWS, &inputs, |inputs| {
-            let subject = self.subject;
-            let found = subject.accelerations(&self.plain, WorkingPrecision::Reference, inputs);
-            normwise(&found, &self.exact)
+            normwise(&self.subject.exact(&self.plain, inputs), &self.exact)
         })
     }
 

@@ -1,15 +1,14 @@
-//! Numbers to measure with: any format, and the reference.
+//! Numbers to measure with: random ones, any format, and the reference.
 
 use robovec_ir::evaluate::evaluate;
 use robovec_ir::{Format, Function};
 use robovec_num::arithmetic::{Arithmetic, Binary32, Binary64};
 use robovec_num::double_double::{Double, DoubleDouble};
+use robovec_num::random::Random;
 use robovec_num::soft_float::FormatArithmetic;
 
-/// Precision of a computation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum WorkingPrecision {
-    /// A number format.
     In(Format),
     /// Double-double numbers, some 106 bits.
     Reference,
@@ -43,7 +42,6 @@ impl Wide for Double {
 pub(super) trait Work {
     type Result;
 
-    /// Does it.
     fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Self::Result;
 }
 
@@ -59,7 +57,6 @@ impl WorkingPrecision {
     }
 }
 
-/// The evaluation of a function.
 pub(super) struct Evaluation<'a> {
     pub(super) function: &'a Function,
     pub(super) inputs: &'a [f64],
@@ -75,21 +72,48 @@ impl Work for Evaluation<'_> {
             .iter()
             .map(|&number| arithmetic.literal(number))
             .collect();
-        let results = evaluate(self.function, arithmetic, &inputs);
-        let mut flat = vec![Double::from(0.0); self.function.output_len()];
-        for (assignment, number) in self.function.assignments.iter().zip(results) {
-            flat[assignment.output.index()] = number.wide();
-        }
-        flat
+        flattened(self.function, evaluate(self.function, arithmetic, &inputs))
     }
 }
 
-/// A number rounded once to a format, subnormal or infinite where the format
-/// requires it.
+/// Flattened outputs of the results of assignments; zero without any.
+pub(super) fn flattened(function: &Function, results: Vec<impl Wide>) -> Vec<Double> {
+    let mut flat = vec![Double::from(0.0); function.output_len()];
+    for (assignment, number) in function.assignments.iter().zip(results) {
+        flat[assignment.output.index()] = number.wide();
+    }
+    flat
+}
+
+/// A number rounded once to a format, subnormal or infinite if required.
 pub(super) fn rounded(number: f64, format: Format) -> f64 {
     match format {
         Format::BINARY64 => number,
         Format::BINARY32 => f64::from(number as f32),
         format => FormatArithmetic::new(format).convert(number),
+    }
+}
+
+/// A sequence of such numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Draw(Random);
+
+impl Draw {
+    pub(super) fn new(seed: u64) -> Draw {
+        Draw(Random::new(seed))
+    }
+
+    pub(super) fn bits(&mut self) -> u64 {
+        self.0.bits()
+    }
+
+    /// A number between two, which binary32 holds when they are of its size.
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+        f64::from((low + (high - low) * self.0.unit()) as f32)
+    }
+
+    /// A number between `-bound` and `bound`.
+    pub(super) fn within(&mut self, bound: f64) -> f64 {
+        self.between(-bound, bound)
     }
 }

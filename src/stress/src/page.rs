@@ -102,8 +102,8 @@ pub fn page(findings: &[CaseFinding<'_>]) -> String {
         let _ = writeln!(
             tables,
             "<h3>{}</h3>\n<p class=\"soft\">{}</p>",
-            class.name(),
-            EscapedContent(class.description())
+            class.name,
+            EscapedContent(class.description)
         );
         for finding in of_class {
             section(&mut tables, finding);
@@ -133,8 +133,7 @@ pub fn page(findings: &[CaseFinding<'_>]) -> String {
     page.to_html()
 }
 
-/// Treatments that no other beats in cost and error, the cheapest first, and
-/// the cure.
+/// Treatments that none beats in cost and error, cheapest first, and the cure.
 fn kept(found: &Findings) -> Vec<usize> {
     let mut order: Vec<usize> = (0..found.trials.len()).collect();
     let measures = |index: usize| {

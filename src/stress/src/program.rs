@@ -1,6 +1,6 @@
 //! A function of a model, compiled and ready to be evaluated in any numbers.
 
-use super::numbers::{Evaluation, WorkingPrecision, rounded};
+use super::numbers::{Evaluation, WorkingPrecision, flattened, rounded};
 use super::units::{Dimension, Units};
 use super::{ProgramTreatment, StressError};
 use robovec_dynamics::generate::{Formulation, GenerationRequest, Options, generate};
@@ -27,12 +27,10 @@ pub(super) struct ProgramRecipe<'a> {
     pub(super) passes: &'a str,
     /// Only the outputs of this array.
     pub(super) only: Option<&'a str>,
-    /// A format for every value: the allowed error of outputs and the states at
-    /// which it is tested.
+    /// A format for every value: the allowed error and the states of its tests.
     pub(super) mixed: Option<(f64, &'a [MotionState])>,
 }
 
-/// A function of a model.
 pub(super) struct ModelProgram {
     pub(super) function: Function,
     inputs: InputSources,
@@ -113,18 +111,13 @@ impl ModelProgram {
             let name = tables.symbols.text(array.name);
             format!("{name}{:?}", &indices[..rank])
         };
-        let input_names = (0..function.input_len())
-            .map(|index| element(function.input_element(Input(index as u32))))
-            .collect();
-        let output_names = (0..function.output_len())
-            .map(|index| element(function.output_element(Output(index as u32))))
-            .collect();
-        let input_dimensions = (0..function.input_len())
-            .map(|index| dimension(function.input_element(Input(index as u32))))
-            .collect();
-        let output_dimensions = (0..function.output_len())
-            .map(|index| dimension(function.output_element(Output(index as u32))))
-            .collect();
+        let of_input = |index: usize| function.input_element(Input(index as u32));
+        let of_output = |index: usize| function.output_element(Output(index as u32));
+        let (all_inputs, all_outputs) = (0..function.input_len(), 0..function.output_len());
+        let input_names = all_inputs.clone().map(of_input).map(element).collect();
+        let output_names = all_outputs.clone().map(of_output).map(element).collect();
+        let input_dimensions = all_inputs.map(of_input).map(dimension).collect();
+        let output_dimensions = all_outputs.map(of_output).map(dimension).collect();
         let outputs = function.outputs().iter().map(|array| {
             let name = tables.symbols.text(array.name).to_owned();
             (name, array.offset as usize, array.shape.len())
@@ -142,14 +135,12 @@ impl ModelProgram {
     }
 
     /// The flattened inputs in a state. Models and states are rounded
-    /// beforehand ([`shared`]); results passed from one program to another are
-    /// not.
+    /// beforehand ([`shared`]); results of other programs are not.
     pub(super) fn inputs(&self, state: &MotionState) -> Vec<f64> {
         self.inputs.gather(state)
     }
 
-    /// The flattened outputs for given inputs, in SI units, computed in units
-    /// of choice.
+    /// Flattened outputs for given inputs, in SI units, computed in others.
     pub(super) fn evaluate(
         &self,
         numbers: WorkingPrecision,
@@ -163,19 +154,9 @@ impl ModelProgram {
         if units == Units::SI {
             return numbers.work(Evaluation { function, inputs });
         }
-        assert_eq!(
-            inputs.len(),
-            self.input_dimensions.len(),
-            "every input has a dimension"
-        );
-        let scaled: Vec<f64> = inputs
-            .iter()
-            .zip(&self.input_dimensions)
-            .map(|(&number, &dimension)| units.stored(number, dimension))
-            .collect();
         let outputs = numbers.work(Evaluation {
-            function: &self.function,
-            inputs: &scaled,
+            function,
+            inputs: &self.stored(units, inputs),
         });
         assert_eq!(
             outputs.len(),
@@ -192,14 +173,24 @@ impl ModelProgram {
             .collect()
     }
 
-    /// Cells of its operations, each in the format of its value where it has
-    /// one.
+    fn stored(&self, units: Units, inputs: &[f64]) -> Vec<f64> {
+        let dimensions = &self.input_dimensions;
+        assert_eq!(
+            inputs.len(),
+            dimensions.len(),
+            "every input has a dimension"
+        );
+        let pairs = inputs.iter().zip(dimensions);
+        let stored = pairs.map(|(&number, &dimension)| units.stored(number, dimension));
+        stored.collect()
+    }
+
+    /// Cells of its operations, each in the format of its value if it has one.
     pub(super) fn cost(&self, format: Format) -> f64 {
         function_cost(&self.function, format)
     }
 
-    /// An output array within the result of [`ModelProgram::evaluate`]; zeros
-    /// where the function does not have it.
+    /// An output array of [`ModelProgram::evaluate`]; zeros without it.
     pub(super) fn array(&self, name: &str, flat: &[Double], length: usize) -> Vec<Double> {
         let found = self.outputs.iter().find(|(array, ..)| array == name);
         let mut array = match found {
@@ -210,19 +201,9 @@ impl ModelProgram {
         array
     }
 
-    /// Number of inputs and values, of those that are not zero, outside the
-    /// range of a format's normal numbers.
+    /// Number of inputs and values, if not zero, that are not normal numbers.
     pub(super) fn out_of_range(&self, format: Format, units: Units, inputs: &[f64]) -> [usize; 2] {
-        assert_eq!(
-            inputs.len(),
-            self.input_dimensions.len(),
-            "every input has a dimension"
-        );
-        let scaled: Vec<f64> = inputs
-            .iter()
-            .zip(&self.input_dimensions)
-            .map(|(&number, &dimension)| units.stored(number, dimension))
-            .collect();
+        let scaled = self.stored(units, inputs);
         let values = evaluate_nodes(&self.function, &Binary64, &scaled);
         let numbers = scaled.iter().chain(&values);
         let (mut outside, mut all) = (0, 0);
@@ -277,8 +258,7 @@ pub(super) fn run_passes(
     Ok(())
 }
 
-/// The pass `mixed` for an error, with mantissas of 18 to 52 bits, in steps of
-/// three or four.
+/// The pass `mixed` for an error, with mantissas of 18 to 52 bits.
 fn mixed(error: f64) -> String {
     format!("mixed{{error={error:e} narrow=\"float(11,18)\" between=10}}")
 }
@@ -294,16 +274,10 @@ pub(super) fn largest(function: &Function, inputs: &[Vec<f64>]) -> f64 {
 
 /// The flattened outputs of a function in which each value has its own format.
 pub(super) fn evaluate_mixture(function: &Function, inputs: &[f64]) -> Vec<Double> {
-    let mut flat = vec![Double::from(0.0); function.output_len()];
-    let results = evaluate_mixed(function, Format::BINARY64, inputs);
-    for (assignment, number) in function.assignments.iter().zip(results) {
-        flat[assignment.output.index()] = Double::from(number);
-    }
-    flat
+    flattened(function, evaluate_mixed(function, Format::BINARY64, inputs))
 }
 
-/// Equations as text, after the passes of a treatment. Passes that look at
-/// states see those between the given sets of inputs.
+/// Equations as text, after passes, with states between the given inputs.
 pub(super) fn text_program(
     text: &str,
     treatment: &ProgramTreatment,
@@ -355,8 +329,7 @@ pub(super) fn shared(number: f64) -> f64 {
     }
 }
 
-/// True for a number between the smallest and the largest normal number of a
-/// format.
+/// True for a normal number of a format.
 pub(super) fn is_normal(number: f64, format: Format) -> bool {
     let size = number.abs();
     match format {

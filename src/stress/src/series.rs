@@ -75,7 +75,6 @@ impl<A: Arithmetic> Arithmetic for SeriesArithmetic<'_, A> {
     }
 }
 
-/// An evaluation with series.
 struct WithSeries<'a> {
     evaluation: Evaluation<'a>,
     order: u32,
@@ -90,8 +89,7 @@ impl Work for WithSeries<'_> {
     }
 }
 
-/// Operations that a true sine or cosine is counted for: the reduction of the
-/// range and a polynomial of full precision.
+/// Operations of a true sine or cosine: range reduction and a polynomial.
 const TRUE_FUNCTION: OperationWork = OperationWork::new(12.0, 12.0);
 
 /// Operations of a sine and a cosine by series of an order.
@@ -133,10 +131,7 @@ impl StressSubject for AnglesSubject {
     }
 
     fn untreated(&self) -> ProgramTreatment {
-        ProgramTreatment {
-            series: Some(1),
-            ..ProgramTreatment::default()
-        }
+        ProgramTreatment::default().with(|it| it.series = Some(1))
     }
 
     fn standard(&self) -> ProgramTreatment {
@@ -151,13 +146,10 @@ impl StressSubject for AnglesSubject {
     fn candidates(&self) -> Vec<ProgramTreatment> {
         let mut list = Vec::new();
         for format in [Format::BINARY32, Format::BINARY64] {
-            for order in [3, 5, 7, 9, 11, 13, 15, 17] {
-                list.push(ProgramTreatment {
-                    series: Some(order),
-                    ..ProgramTreatment::in_format(format)
-                });
-            }
-            list.push(ProgramTreatment::in_format(format));
+            let plain = ProgramTreatment::in_format(format);
+            let orders = [3, 5, 7, 9, 11, 13, 15, 17];
+            list.extend(orders.map(|order| plain.with(|it| it.series = Some(order))));
+            list.push(plain);
         }
         list
     }
@@ -167,11 +159,8 @@ impl StressSubject for AnglesSubject {
         let recipe = ProgramRecipe::default();
         let program = ModelProgram::new(&dynamics.model, FunctionKind::Invdyna, recipe)?;
         let forces = |state: &MotionState| {
-            let flat = program.evaluate(
-                WorkingPrecision::Reference,
-                Units::SI,
-                &program.inputs(state),
-            );
+            let inputs = program.inputs(state);
+            let flat = program.evaluate(WorkingPrecision::Reference, Units::SI, &inputs);
             program.array("Qq", &flat, dynamics.model.joints.len())
         };
         let exact = dynamics.states.iter().map(forces).collect();
@@ -201,7 +190,6 @@ impl AnglesBench<'_> {
 }
 
 impl StressBench for AnglesBench<'_> {
-    /// That of true functions.
     fn floor(&self, format: Format) -> f64 {
         let plain = ProgramTreatment::in_format(format);
         let states = self.dynamics.states.iter().zip(&self.exact);

@@ -3,10 +3,10 @@
 //! The reference takes the same steps in double-double numbers, so that only
 //! rounding errors remain, without the error of the method.
 
+use super::case::Memo;
 use super::case::{Measured, StressBench, StressSubject};
 use super::dynamics::{sensitivity, worst};
 use super::forms::{TextForm, TextForms};
-use super::memo::Memo;
 use super::numbers::{Wide, Work, WorkingPrecision};
 use super::program::{largest, shared, text_program};
 use super::treatment::PASSES;
@@ -19,9 +19,8 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
 use std::sync::Arc;
 
-/// Differential equations with their start: functions of one array of state
-/// numbers and one of parameters, which give the slopes of the state and then
-/// the monitored numbers.
+/// Differential equations with their start: functions of a state array and a
+/// parameter array, which give the state's slopes, then monitored numbers.
 pub(super) struct StepsSubject {
     forms: TextForms<MotionStart>,
     /// s.
@@ -29,7 +28,6 @@ pub(super) struct StepsSubject {
     steps: u64,
 }
 
-/// Beginning of a motion.
 #[derive(Clone)]
 pub(super) struct MotionStart {
     pub(super) state: Vec<f64>,
@@ -63,8 +61,7 @@ impl StepsSubject {
         }
     }
 
-    /// The same with another form; its parameters are shared, its start is
-    /// the host's.
+    /// The same with another form, of the same parameters and its own start.
     pub(super) fn or(mut self, mut form: TextForm<MotionStart>) -> StepsSubject {
         let parameters = form.numbers.parameters.iter_mut();
         parameters.for_each(|x| *x = shared(*x));
@@ -92,10 +89,7 @@ impl StressSubject for StepsSubject {
     }
 
     fn untreated(&self) -> ProgramTreatment {
-        ProgramTreatment {
-            step: Some(self.step),
-            ..ProgramTreatment::default()
-        }
+        ProgramTreatment::default().with(|it| it.step = Some(self.step))
     }
 
     fn programs(&self) -> Vec<ProgramTreatment> {
@@ -105,18 +99,9 @@ impl StressSubject for StepsSubject {
     fn candidates(&self) -> Vec<ProgramTreatment> {
         let mut list = self.treatments(true);
         for form in self.forms.all() {
-            let plain = ProgramTreatment {
-                form: form.name,
-                ..self.untreated()
-            };
-            list.push(ProgramTreatment {
-                compensated: true,
-                ..plain.clone()
-            });
-            list.push(ProgramTreatment {
-                state: Some(Format::BINARY64),
-                ..plain
-            });
+            let plain = self.untreated().with(|it| it.form = form.name);
+            list.push(plain.with(|it| it.compensated = true));
+            list.push(plain.with(|it| it.state = Some(Format::BINARY64)));
         }
         list
     }
@@ -262,10 +247,7 @@ impl StepsBench<'_> {
     /// The inputs of a form along its run in binary64.
     fn visited(&self, name: &'static str) -> Result<Vec<Vec<f64>>, StressError> {
         let form = self.subject.forms.named(name)?;
-        let treatment = ProgramTreatment {
-            form: name,
-            ..self.subject.untreated()
-        };
+        let treatment = self.subject.untreated().with(|it| it.form = name);
         let numbers = form.numbers.inputs();
         let run = self.run(&treatment, &numbers, WorkingPrecision::In(Format::BINARY64))?;
         let inputs = run.iter().map(|sample| {
@@ -278,7 +260,6 @@ impl StepsBench<'_> {
         Ok(inputs.collect())
     }
 
-    /// Number of watched numbers.
     fn watched(&self) -> usize {
         let all = self
             .exact
@@ -288,7 +269,6 @@ impl StepsBench<'_> {
         all - self.subject.forms.plain.numbers.state.len()
     }
 
-    /// The run of a treatment from given numbers.
     fn run(
         &self,
         treatment: &ProgramTreatment,
@@ -315,8 +295,7 @@ impl StepsBench<'_> {
         self.run(&untreated, numbers, WorkingPrecision::Reference)
     }
 
-    /// The largest distance from the reference, every watched number relative
-    /// to its largest size in the run.
+    /// Largest distance from the reference, relative to each number's size.
     fn distance(&self, found: &[Vec<Double>]) -> f64 {
         assert_eq!(
             found.len(),

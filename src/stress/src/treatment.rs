@@ -7,9 +7,8 @@ use std::fmt;
 /// The passes that shorten paths by regrouping sums and products.
 pub(super) const BALANCED: &str = "atomise,zero-removal,balance,cse,dce";
 
-/// Passes over the equations of every recursion: regrouping for short paths and
-/// for common factors, and sums that round less. The first list is empty: the
-/// equations as they come.
+/// Passes over the equations of every recursion: none, regrouping for short
+/// paths and for common factors, and sums that round less.
 pub(super) const PASSES: [&str; 7] = [
     "",
     BALANCED,
@@ -23,12 +22,10 @@ pub(super) const PASSES: [&str; 7] = [
 /// Method that keeps the loops of a model closed in time.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum LoopStabilisation {
-    /// No stabilisation: accelerations agree with the loops, positions need
-    /// not.
+    /// No stabilisation: accelerations agree with loops, positions need not.
     #[default]
     None,
-    /// Accelerations lead gaps back, as a critically damped oscillator would
-    /// (Baumgarte 1972).
+    /// Accelerations lead gaps back, with critical damping (Baumgarte 1972).
     Baumgarte,
     /// After every step the dependent joints are put back onto the loops.
     Projection,
@@ -51,42 +48,34 @@ pub struct ProgramTreatment {
     pub formulation: Formulation,
     /// The passes that are run over them; none when empty.
     pub passes: &'static str,
-    /// The joints that are independent in the loops; those of the model when
-    /// empty.
+    /// Independent joints of the loops; those of the model when empty.
     pub independent: Vec<String>,
-    /// Another form of the same equations, by name; the original one when
-    /// empty.
+    /// Another form of the equations, by name; the original one when empty.
     pub form: &'static str,
     /// Format of the computation.
     pub format: Format,
-    /// Every value in the narrowest format with which the outputs keep this
-    /// error, up to binary64: the pass `mixed`.
+    /// Every value in the narrowest format for this error: the pass `mixed`.
     pub mixed: Option<f64>,
     /// Method that keeps loops closed.
     pub stabilisation: LoopStabilisation,
-    /// Format of forces (`c`, `Qq`, residuals), if it differs from that of
-    /// masses.
+    /// Format of forces (`c`, `Qq`, residuals), if not that of masses.
     pub forces: Option<Format>,
     /// Steps of iterative refinement of accelerations: each solves again, with
     /// the same factor of `M`, for the residual of the inverse dynamics.
     pub refinements: u32,
     /// Compute in units that bring the model's numbers to the order of one.
     pub units: bool,
-    /// Keep the rounding errors of additions to the integrator's state (Kahan
-    /// 1965).
+    /// Keep rounding errors of additions to integrator states (Kahan 1965).
     pub compensated: bool,
-    /// The integrator's state in this format, where it differs from that of the
-    /// slopes.
+    /// Format of the integrator's state, if not that of the slopes.
     pub state: Option<Format>,
     /// The integrator's step, s.
     pub step: Option<f64>,
-    /// The highest power of the angle in the series for sine and cosine;
-    /// without it, the true functions.
+    /// Highest power of the angle in series for sines; else true functions.
     pub series: Option<u32>,
 }
 
 impl ProgramTreatment {
-    /// Format of the integrator's state.
     pub(super) fn state_format(&self) -> Format {
         self.state.unwrap_or(self.format)
     }
@@ -123,25 +112,24 @@ impl Default for ProgramTreatment {
 }
 
 impl ProgramTreatment {
+    #[must_use]
+    pub(super) fn with(&self, change: impl FnOnce(&mut ProgramTreatment)) -> ProgramTreatment {
+        let mut changed = self.clone();
+        change(&mut changed);
+        changed
+    }
+
     /// The untreated program in a format.
     pub fn in_format(format: Format) -> ProgramTreatment {
-        ProgramTreatment {
-            format,
-            ..ProgramTreatment::default()
-        }
+        ProgramTreatment::default().with(|it| it.format = format)
     }
 
-    /// The same in binary32: treatments that differ only in their format share
-    /// one program.
+    /// The same in binary32: one program is shared by all formats.
     pub(super) fn in_binary32(&self) -> ProgramTreatment {
-        ProgramTreatment {
-            format: Format::BINARY32,
-            ..self.clone()
-        }
+        self.with(|it| it.format = Format::BINARY32)
     }
 
-    /// True when it differs from the untreated one only in the program, not in
-    /// the format.
+    /// True when only the program differs from the untreated one.
     pub(super) fn is_another_program(&self, untreated: &ProgramTreatment) -> bool {
         let same = ProgramTreatment {
             formulation: untreated.formulation,

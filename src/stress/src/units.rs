@@ -4,8 +4,7 @@
 //! of the format. A program with all its numbers in such units therefore makes
 //! the same rounding errors, bit for bit, and only the range of its numbers
 //! moves: numbers that were too small or too large for a format may fit. The
-//! host scales parameters once and states before each run; the program itself
-//! does not change and costs nothing more.
+//! host scales parameters once and states before each run; the program stays.
 
 use robovec_model::Model;
 use robovec_num::power::times_power_of_two;
@@ -38,8 +37,7 @@ impl Dimension {
         Dimension { length, mass, time }
     }
 
-    /// The dimension of an element of one of Robotran's arrays; none for
-    /// arrays it does not know.
+    /// The dimension of an element of one of Robotran's arrays, if it is one.
     pub fn of(model: &Model, array: &str, indices: &[u32]) -> Dimension {
         let turns = |index: usize| {
             let joint = indices.get(index).and_then(|i| i.checked_sub(1));

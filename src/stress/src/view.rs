@@ -10,8 +10,7 @@ use robovec_present::{DataCell, DataTable, text_lines};
 /// A case with its findings.
 pub type CaseFinding<'a> = (&'a StressCase, Findings);
 
-/// Number of cases that a cure brings to within ten times the error of f64, or
-/// of those that need none, in one line.
+/// Number of cases that a cure brings near binary64, or that need none.
 pub fn headline(findings: &[CaseFinding<'_>]) -> String {
     let count = |is_in: fn(&Findings) -> bool| {
         let own = findings.iter().filter(|(_, found)| is_in(found));
@@ -26,8 +25,7 @@ pub fn headline(findings: &[CaseFinding<'_>]) -> String {
     format!("{cured} of {all} cured to within ten times the error of f64")
 }
 
-/// Lines after the headline, with their labels: cases by verdict, by class,
-/// and the median cost of cures.
+/// Lines with labels: cases by verdict, by class, and the median cost of cures.
 pub fn lines(findings: &[CaseFinding<'_>]) -> Vec<(&'static str, String)> {
     let verdicts = StressVerdict::ALL.into_iter().filter_map(|verdict| {
         let own = findings.iter();
@@ -48,7 +46,7 @@ pub fn lines(findings: &[CaseFinding<'_>]) -> Vec<(&'static str, String)> {
         lines.push(("cost", text));
         let classes = by_class(findings).map(|(class, own)| {
             let cured = own.iter().filter(|(_, found)| found.cure.is_some());
-            format!("{} {} of {}", class.name(), cured.count(), own.len())
+            format!("{} {} of {}", class.name, cured.count(), own.len())
         });
         lines.push(("cured", classes.collect::<Vec<_>>().join(", ")));
     }
@@ -83,8 +81,7 @@ pub fn worst(findings: &[CaseFinding<'_>]) -> String {
     text_lines(head, &rows.collect::<Vec<_>>())
 }
 
-/// The findings as an aligned table; without the columns of cures where none
-/// were tried.
+/// The findings as an aligned table, without cures where none were tried.
 pub fn text(findings: &[CaseFinding<'_>]) -> String {
     let mut head = "case | >cond | >f32 error | >f64 error | of | verdict".to_owned();
     let tried = findings.iter().any(|(_, found)| !found.trials.is_empty());
@@ -132,14 +129,11 @@ pub fn steps(findings: &[CaseFinding<'_>]) -> String {
         }
         // The trials at this step with nothing else changed.
         let trial = |compensated: bool, state: Option<Format>| {
-            let wanted = ProgramTreatment {
-                compensated,
-                state,
-                ..found.untreated.clone()
-            };
-            let trials = found.trials.iter();
-            let mut same = trials.filter(|trial| trial.treatment == wanted);
-            same.next().map(|trial| trial.measured.error)
+            let untreated = &found.untreated;
+            error_of(
+                found,
+                &untreated.with(|it| (it.compensated, it.state) = (compensated, state)),
+            )
         };
         let compensated = trial(true, None);
         for (best, error) in best.iter_mut().zip([Some(found.short.error), compensated]) {
@@ -177,27 +171,21 @@ pub fn steps(findings: &[CaseFinding<'_>]) -> String {
     text
 }
 
-/// Gaps of the loops of each case, by the method that keeps them closed; empty
-/// without such cases.
+/// Gaps of the loops of each case, by the method that closes them, if any.
 pub fn gaps(findings: &[CaseFinding<'_>]) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (case, found) in findings {
-        if case.class.name() != "drift" || found.trials.is_empty() {
+        if case.class.name != "drift" || found.trials.is_empty() {
             continue;
         }
         let mut row = vec![case.name.clone()];
         for stabilisation in LoopStabilisation::ALL {
             for format in [Format::BINARY32, Format::BINARY64] {
-                let wanted = ProgramTreatment {
-                    stabilisation,
-                    format,
-                    ..found.untreated.clone()
-                };
-                let mut trials = found.trials.iter();
-                let trial = trials.find(|trial| trial.treatment == wanted);
+                let wanted = found.untreated.with(|it| {
+                    (it.stabilisation, it.format) = (stabilisation, format);
+                });
                 let untreated = (wanted == found.untreated).then_some(found.short.error);
-                let error = trial.map(|trial| trial.measured.error).or(untreated);
-                row.push(or_dash(error, short));
+                row.push(or_dash(error_of(found, &wanted).or(untreated), short));
             }
         }
         rows.push(row);
@@ -208,6 +196,13 @@ pub fn gaps(findings: &[CaseFinding<'_>]) -> String {
     let head = "case | >f32 | >f64 | >stabilised f32 | >f64 | >projected f32 | >f64";
     let text = "Gap of the loop, relative to the longest bar:\n".to_owned();
     text + &text_lines(head, &rows)
+}
+
+/// The error of a treatment that was tried.
+fn error_of(found: &Findings, treatment: &ProgramTreatment) -> Option<f64> {
+    let mut trials = found.trials.iter();
+    let trial = trials.find(|trial| trial.treatment == *treatment)?;
+    Some(trial.measured.error)
 }
 
 /// Two digits.
@@ -249,7 +244,7 @@ pub fn table(findings: &[CaseFinding<'_>]) -> DataTable {
         for (label, measured, cost, chosen) in std::iter::once(untreated).chain(trials) {
             rows.push(vec![
                 DataCell::text(&case.name),
-                DataCell::text(case.class.name()),
+                DataCell::text(case.class.name),
                 DataCell::text(found.metric),
                 number(found.condition),
                 number(found.floor),

@@ -2,7 +2,7 @@
 //! method, velocities of dependent joints, accelerations.
 
 use super::StressError;
-use super::numbers::{Wide, Work, WorkingPrecision};
+use super::numbers::{Wide, Work, WorkingPrecision, flattened};
 use super::program::{ModelProgram, ProgramRecipe};
 use super::units::Units;
 use robovec_dynamics::kinematics::MotionState;
@@ -13,8 +13,7 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
 use robovec_robotran::FunctionKind;
 
-/// Number of rounds of Newton's method, from a state that is closed up to the
-/// rounding of its numbers.
+/// Number of Newton's rounds, from a state that is closed up to rounding.
 const ROUNDS: usize = 3;
 
 /// Program for the accelerations of a model with loops.
@@ -30,8 +29,7 @@ pub(super) struct StepProgram {
     parts: [ModelProgram; 3],
     /// For each part the places of its inputs among those of the step.
     places: [Vec<usize>; 3],
-    /// For `loop_positions` and `loop_velocities`, the pairs of an output and
-    /// the input of the step that it replaces (`q`, `qd`).
+    /// For functions of loops, pairs of an output and the input it replaces.
     results: [Vec<(usize, usize)>; 2],
     /// For each input of the step, a part that reads it and its place there.
     origins: Vec<(usize, usize)>,
@@ -66,7 +64,6 @@ impl LoopProgram {
         }
     }
 
-    /// The accelerations of the joints.
     pub(super) fn accelerations(
         &self,
         numbers: WorkingPrecision,
@@ -97,8 +94,7 @@ impl LoopProgram {
         }
     }
 
-    /// Number of inputs and values of `accelred` outside the range of normal
-    /// numbers, and the number of all that are not zero.
+    /// Number of values of `accelred` that are not normal, and of all others.
     pub(super) fn out_of_range(&self, format: Format, inputs: &[f64]) -> [usize; 2] {
         match self {
             LoopProgram::Accelerations(program) => program.out_of_range(format, Units::SI, inputs),
@@ -143,14 +139,12 @@ impl StepProgram {
     }
 }
 
-/// One step, evaluated.
 struct StepEvaluation<'a> {
     step: &'a StepProgram,
     inputs: &'a [f64],
 }
 
 impl Work for StepEvaluation<'_> {
-    /// The flattened outputs of `accelred`.
     type Result = Vec<Double>;
 
     fn run<A: Arithmetic<Number: Wide>>(self, arithmetic: &A) -> Vec<Double> {
@@ -179,12 +173,7 @@ impl Work for StepEvaluation<'_> {
                 }
             }
         }
-        let function = &step.parts[2].function;
-        let mut flat = vec![Double::from(0.0); function.output_len()];
-        for (assignment, number) in function.assignments.iter().zip(evaluated(2, &numbers)) {
-            flat[assignment.output.index()] = number.wide();
-        }
-        flat
+        flattened(&step.parts[2].function, evaluated(2, &numbers))
     }
 }
 

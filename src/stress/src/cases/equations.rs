@@ -4,9 +4,9 @@
 //! beside the velocity of rolling; a sensor beside a target, both far away.
 
 use super::super::case::StressSubject;
-use super::super::draw::Draw;
 use super::super::equations::EquationsSubject;
 use super::super::forms::TextForm;
+use super::super::numbers::Draw;
 use super::super::program::shared;
 use super::super::steps::{MotionStart, StepsSubject};
 use super::CaseMember;
@@ -39,9 +39,8 @@ pub(super) fn subject(name: &str, case: &CaseMember) -> Option<Box<dyn StressSub
 const PAIRS: usize = 32;
 
 /// Scalar products with a condition (Ogita, Rump and Oishi, "Accurate sum and
-/// dot product", 2005, Algorithm 6.1): the first half of the products has
-/// sizes up to the root of the condition, each of the second half brings the
-/// sum down to a size that shrinks to one.
+/// dot product", 2005, Algorithm 6.1): products up to the root of the
+/// condition, then those that bring the sum down to one.
 fn products(condition: f64) -> EquationsSubject {
     let terms: Vec<String> = (1..=PAIRS).map(|i| format!("x[{i}]*y[{i}]")).collect();
     let sum = terms.join(" + ");
@@ -84,8 +83,7 @@ fn pairs(condition: f64, seed: u64) -> Vec<f64> {
     x
 }
 
-/// `a1 + M - M + a2 + M - M + …`: in the order written every small term meets
-/// a large one.
+/// `a1 + M - M + a2 + M - M + …`: here every small term meets a large one.
 fn alternating() -> EquationsSubject {
     const TERMS: usize = 16;
     let terms: Vec<String> = (1..=TERMS).map(|i| format!("a[{i}] + m - n")).collect();
@@ -112,8 +110,7 @@ fn ties() -> EquationsSubject {
     EquationsSubject::new(text, vec![inputs])
 }
 
-/// The forces on the two inner ones of four points with springs between them,
-/// the soft ones of 1 N/m.
+/// Forces on the inner two of four points with springs, soft ones of 1 N/m.
 pub(super) fn row(stiffness: f64) -> EquationsSubject {
     let inputs = (1..=4).map(|seed| points(stiffness, seed)).collect();
     EquationsSubject::new(include_str!("data/springs.rvir"), inputs)
@@ -143,9 +140,8 @@ pub(super) fn points(stiffness: f64, seed: u64) -> Vec<f64> {
     numbers
 }
 
-/// Four masses of 1 kg on a line, a metre apart, without other forces; the
-/// state holds their positions and velocities, or the first position and the
-/// stretches.
+/// Four masses of 1 kg on a line, a metre apart, without forces; the state
+/// holds positions and velocities, or the first position and the stretches.
 pub(super) fn chain(ratio: f64) -> StepsSubject {
     // 0.14 of the reciprocal of the highest frequency.
     let step = f64::from((0.1 / ratio.sqrt()) as f32);
@@ -266,12 +262,10 @@ pub(super) fn rolling(speed: f64) -> StepsSubject {
         ))
 }
 
-/// The position and velocity of a sensor relative to those of a target a
-/// metre or two away: a body floats, and has an arm of two joints with the
-/// sensor at its end.
+/// Position and velocity of a sensor relative to a target a metre or two away:
+/// a body floats, and has an arm of two joints with the sensor at its end.
 pub(super) fn sensor(distance: f64, held: bool) -> EquationsSubject {
-    /// Places of the arm on the body and of the sensor on the arm, coordinate
-    /// by coordinate.
+    /// Places of the arm on the body and of the sensor on the arm.
     const POINTS: [f64; 6] = [0.5, 0.125, 0.25, 0.0, 0.125, 0.75];
     let (mut far, mut near) = (Vec::new(), Vec::new());
     for seed in 1..=4 {

@@ -1,5 +1,4 @@
-//! Cases of closed loops: near dead points, with redundant constraints, and in
-//! time.
+//! Cases of closed loops: near dead points, redundant constraints, in time.
 
 use super::super::case::StressSubject;
 use super::super::drift::DriftSubject;
@@ -38,8 +37,7 @@ pub(super) fn subject(name: &str, case: &CaseMember) -> Option<Box<dyn StressSub
     }))
 }
 
-/// Directions of the line between the pivots, rad: along an axis sums would be
-/// exact that are not elsewhere.
+/// Directions of the line of the pivots, rad: along an axis sums are exact.
 const SLOPES: [f64; 4] = [0.3, 0.7, 1.1, 2.3];
 
 /// A crank, a coupler and rockers that make a parallelogram of 1 m by 2 m.
@@ -59,9 +57,8 @@ fn parallelogram(text: &str, angle: f64, slope: f64) -> Model {
     model
 }
 
-/// A crank of 0.3 m, a coupler of 0.8 m and a rocker of 0.6 m on pivots 0.9 m
-/// apart; the given angle, rad, is that between crank and coupler where the
-/// rocker turns round.
+/// Crank, coupler and rocker of 0.3, 0.8 and 0.6 m on pivots 0.9 m apart, the
+/// given angle, rad, between crank and coupler where the rocker turns round.
 pub(in super::super) fn four_bar(bend: f64) -> Model {
     let mut model = file(include_str!("data/four-bar.mbs"));
     let (crank_length, coupler_length, rocker_length) = (0.3f64, 0.8f64, 0.6f64);

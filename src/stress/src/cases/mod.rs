@@ -1,19 +1,17 @@
-//! The cases: families in `cases.toml`, with their equations and models in
-//! `data`; subjects are built here.
+//! The cases: families in `cases.toml`, equations and models in `data`.
 
 mod equations;
 mod loops;
 mod models;
 
+use super::case::StressVerdict;
 use super::case::{CaseClass, StressCase, StressSubject};
-use super::verdict::StressVerdict;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
 #[cfg(test)]
 pub(super) use loops::four_bar;
 
-/// The file of cases.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CaseFile {

@@ -1,9 +1,9 @@
 //! Cases of models without loops.
 
 use super::super::case::StressSubject;
-use super::super::draw::Draw;
 use super::super::dynamics::{DynamicsSubject, Metric};
 use super::super::long::{Kept, Long};
+use super::super::numbers::Draw;
 use super::super::program::shared;
 use super::super::series::AnglesSubject;
 use super::CaseMember;
@@ -129,8 +129,7 @@ fn left_alone(name: &str, case: &CaseMember) -> Long {
     Long::new(model, initial, kept, times)
 }
 
-/// Bodies of 1 kg and 1 m on hinges about the second axis, each at the end of
-/// the one before.
+/// Bodies of 1 kg and 1 m in a row, on hinges about the second axis.
 fn planar(joints: usize) -> Model {
     let mut builder = ModelBuilder::new("planar");
     let mut place = BASE.origin();
@@ -158,8 +157,7 @@ fn sphere(inertia: f64) -> [f64; 6] {
     [inertia, 0.0, 0.0, inertia, 0.0, inertia]
 }
 
-/// A random state: angles up to half a turn, velocities and accelerations up
-/// to the given size.
+/// A random state: angles up to half a turn, rates up to the given size.
 fn random(model: &Model, seed: u64, rate: f64) -> MotionState {
     let mut draw = Draw::new(seed);
     let mut state = MotionState::initial(model);
@@ -171,15 +169,13 @@ fn random(model: &Model, seed: u64, rate: f64) -> MotionState {
     state
 }
 
-/// Accelerations in three random states, with velocities and accelerations of
-/// the order of one.
+/// Accelerations in three random states, with rates of the order of one.
 fn in_some(model: Model) -> DynamicsSubject {
     let states = (0..3).map(|seed| random(&model, seed, 1.0)).collect();
     DynamicsSubject::new(model, states, Metric::Accelerations)
 }
 
-/// Accelerations in a pose, the other positions zero, with velocities and
-/// accelerations of the order of one.
+/// Accelerations in a pose, other positions zero, rates of the order of one.
 fn in_pose(model: Model, pose: &[f64]) -> DynamicsSubject {
     let mut state = random(&model, 3, 1.0);
     state.q.fill(0.0);
@@ -187,8 +183,7 @@ fn in_pose(model: Model, pose: &[f64]) -> DynamicsSubject {
     DynamicsSubject::new(model, vec![state], Metric::Accelerations)
 }
 
-/// A chain of 7 with all lengths multiplied by a factor, of the same density
-/// times another.
+/// A chain of 7 with its lengths and its density multiplied by factors.
 fn resized(length: f64, density: f64) -> Model {
     let mut model = serial(7, 1);
     let mass = density * length.powi(3);

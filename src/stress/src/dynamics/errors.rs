@@ -1,7 +1,7 @@
 //! Errors of dynamics in a state, and the part that no computation could avoid.
 
-use super::super::draw::Draw;
 use super::super::linear::{condition, estimated_condition, solve};
+use super::super::numbers::Draw;
 use super::super::numbers::{WorkingPrecision, rounded};
 use super::super::program::{ModelProgram, ProgramRecipe};
 use super::super::units::Units;
@@ -48,7 +48,6 @@ pub(in super::super) fn worst(errors: impl Iterator<Item = f64>) -> f64 {
     })
 }
 
-/// The errors in a state.
 #[derive(Default)]
 pub(super) struct DynamicsErrors {
     pub(super) masses: f64,
@@ -160,8 +159,7 @@ impl DynamicsBench<'_> {
         worst((0..self.subject.states.len()).map(of_state))
     }
 
-    /// The mass matrix column by column, from the inverse dynamics at rest
-    /// without gravity.
+    /// Mass matrix by columns, from inverse dynamics at rest without gravity.
     fn columns(&self, state: &MotionState) -> Result<Vec<f64>, StressError> {
         let size = self.joints();
         let mut model = self.subject.model.clone();
@@ -184,8 +182,7 @@ impl DynamicsBench<'_> {
         Ok(entries)
     }
 
-    /// The error of accelerations from the exact `M`, `c` and `Qq`, each
-    /// rounded once to the format.
+    /// Error of accelerations from exact `M`, `c` and `Qq`, each rounded once.
     pub(super) fn rounded_solution(&self, format: Format) -> f64 {
         let size = self.joints();
         let once = |numbers: &[Double]| -> Vec<Double> {
@@ -201,8 +198,7 @@ impl DynamicsBench<'_> {
         }))
     }
 
-    /// Distance that the exact result moves when every input moves by a
-    /// relative `amount` in some direction: the largest of some draws.
+    /// Distance that the exact result moves with inputs by a relative `amount`.
     pub(super) fn perturbed(&self, amount: f64) -> f64 {
         const DRAWS: u64 = 6;
         let (kind, name) = match self.subject.metric {
@@ -230,8 +226,7 @@ impl DynamicsBench<'_> {
     }
 }
 
-/// The largest error of some draws in which every input moves by a relative
-/// `amount` in some direction.
+/// Largest error of draws in which every input moves by a relative `amount`.
 pub(in super::super) fn sensitivity(
     amount: f64,
     draws: u64,

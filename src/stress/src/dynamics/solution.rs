@@ -6,12 +6,10 @@ use robovec_num::arithmetic::Arithmetic;
 use robovec_num::double_double::Double;
 use robovec_num::power::times_power_of_two;
 
-/// A solution by Cholesky's factorisation in some arithmetic; `None` when the
-/// matrix is not positive definite in it.
+/// A solution by Cholesky's factorisation; `None` without pivots.
 ///
-/// Rows and columns are scaled by powers of two that bring the diagonal to the
-/// order of one (van der Sluis 1969): exact, and out of reach of the ends of
-/// the format's range.
+/// Rows and columns are scaled by powers of two that bring the diagonal near
+/// one (van der Sluis 1969): exact, and far from the ends of the range.
 pub(super) struct Solution<'a> {
     pub(super) size: usize,
     pub(super) mass: &'a [Double],

@@ -3,7 +3,7 @@
 
 use super::super::equations::{bounce, rolling, slip, wheel};
 use crate::case::StressSubject;
-use crate::draw::Draw;
+use crate::numbers::Draw;
 
 /// A binary32 number in units of 2^-60.
 fn whole(x: f64) -> i128 {

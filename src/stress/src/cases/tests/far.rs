@@ -3,7 +3,7 @@
 use super::super::equations::sensor;
 use crate::ProgramTreatment;
 use crate::case::StressSubject;
-use crate::draw::Draw;
+use crate::numbers::Draw;
 
 type TurnMatrix = [[f64; 3]; 3];
 
