@@ -1,5 +1,4 @@
-//! Forces of actuators: inverse dynamics of models whose joints follow from
-//! constraints.
+//! Forces of actuators: inverse dynamics of models with constraints.
 //!
 //! Given accelerations of independent and driven joints, those of dependent
 //! ones follow from the constraints, and from all of them the forces `phi = M
@@ -12,8 +11,7 @@
 //! ```
 //!
 //! The number of actuators must equal the number of independent joints. Any
-//! joints may have them; a model that names none has them at its independent
-//! joints.
+//! joints may have them, by default the independent ones.
 
 use super::algebra::{Scalar, Sum};
 use super::blocks::solve_blocks;
@@ -90,7 +88,6 @@ pub(super) fn write(
     Ok(())
 }
 
-/// The rows of constraints with their multipliers.
 fn multipliers<'c>(
     equations: &mut Equations,
     closing: &'c Closing<'_, '_>,

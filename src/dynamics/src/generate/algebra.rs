@@ -35,12 +35,10 @@ impl Scalar {
         self.0 & 1 == 1
     }
 
-    /// The scalar without its sign.
     pub(super) fn magnitude(self) -> Scalar {
         Scalar(self.0 & !1)
     }
 
-    /// The negative when `negate` is true.
     pub(super) fn negated_if(self, negate: bool) -> Scalar {
         if negate { -self } else { self }
     }
@@ -67,7 +65,6 @@ pub(super) enum ProductFactor {
     Group(u32),
 }
 
-/// A product of factors with a sign.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct SignedProduct {
     pub(super) negative: bool,
@@ -131,13 +128,11 @@ impl Sum {
         sum
     }
 
-    /// Adds the product of scalars.
     pub(super) fn add(&mut self, scalars: &[Scalar]) -> &mut Sum {
         self.terms.extend(SignedProduct::product(scalars));
         self
     }
 
-    /// Subtracts the product of scalars.
     pub(super) fn subtract(&mut self, scalars: &[Scalar]) -> &mut Sum {
         if let Some(mut term) = SignedProduct::product(scalars) {
             term.negative ^= true;
@@ -151,14 +146,12 @@ impl Sum {
         self
     }
 
-    /// Adds all terms of another sum, each multiplied by scalars.
     pub(super) fn add_scaled(&mut self, scalars: &[Scalar], other: &Sum) -> &mut Sum {
         let scaled = other.terms.iter().filter_map(|term| term.times(scalars));
         self.terms.extend(scaled);
         self
     }
 
-    /// Adds all terms of another sum.
     pub(super) fn add_sum(&mut self, other: &Sum) -> &mut Sum {
         self.terms.extend(other.terms.iter().cloned());
         self
@@ -174,7 +167,6 @@ pub(super) fn given(scalars: &[Scalar], joint: usize) -> Scalar {
     scalars.get(joint).copied().unwrap_or(Scalar::ZERO)
 }
 
-/// The product of two vectors.
 pub(super) fn dot(one: &[Scalar], other: &[Scalar]) -> Sum {
     assert_eq!(one.len(), other.len(), "vectors of one length");
     let mut sum = Sum::new();

@@ -1,5 +1,4 @@
-//! Articulated bodies: accelerations in a number of operations that grows with
-//! the number of joints alone.
+//! Articulated bodies: accelerations in operations proportional to joints.
 //!
 //! A joint that is free to move hides part of the inertia beyond it. From the
 //! leaves to the base, every joint's share is taken out of the inertia it
@@ -50,7 +49,6 @@ pub(super) fn accelerations(
 /// Names of the quantities that turn the coupling block.
 const COUPLING_NAMES: [&str; 5] = ["YD", "YS", "YW", "YV", "YU"];
 
-/// The blocks of an articulated inertia.
 #[derive(Clone, Copy)]
 struct Blocks {
     /// Torque for angular acceleration; symmetric.
@@ -74,8 +72,7 @@ struct Share {
     /// `U / D` of a free joint, one along the joint.
     torque: Vector,
     force: Vector,
-    /// Its acceleration if the frame before did not accelerate; of a driven
-    /// joint simply its acceleration.
+    /// Its acceleration if the frame before did not accelerate, or if driven.
     alone: Scalar,
 }
 
@@ -190,8 +187,7 @@ impl Articulated<'_, '_, '_> {
         share.define(self.equations, ("FV", "NV"), joint, 0)
     }
 
-    /// The direction, axis and kind, in which a joint hides all inertia beyond
-    /// it; a rotor leaves some.
+    /// Axis and kind in which a joint hides inertia; one with a rotor does not.
     fn hidden(&self, joint: usize) -> Option<(usize, bool)> {
         let parameters = self.parameters;
         let direction = (parameters.axis(joint), parameters.is_revolute(joint));
@@ -306,7 +302,6 @@ impl Articulated<'_, '_, '_> {
     }
 }
 
-/// The component of a wrench along the axis of a joint.
 fn component<'w>(
     parameters: &ModelParameters<'_>,
     joint: usize,
@@ -374,9 +369,8 @@ impl SumBlocks {
         blocks
     }
 
-    /// Adds blocks about an origin that lies `offset` beyond. With `H` the
-    /// coupling before and `H' = H + ~d KD` after, the angular block grows by
-    /// `~d H'^T - H ~d`.
+    /// Adds blocks about an origin `offset` beyond. With `H` the coupling and
+    /// `H' = H + ~d KD` after it, the angular block grows by `~d H'^T - H ~d`.
     fn add_moved(
         &mut self,
         equations: &mut Equations,
@@ -421,7 +415,6 @@ impl SumBlocks {
         }
     }
 
-    /// Names the entries.
     fn define(self, equations: &mut Equations, names: [&'static str; 3], joint: usize) -> Blocks {
         let [angular, coupling, linear] = names;
         let mut name = |name, block: [SumVector; 3], triangle: bool| {

@@ -22,8 +22,7 @@ use robovec_robotran::FunctionKind;
 use std::f64::consts::PI;
 use thiserror::Error;
 
-/// Numbers of states tried one after the other, the second where the result of
-/// the first does not hold at other states.
+/// Numbers of states; the second where the first one's result fails elsewhere.
 const STATES: [usize; 2] = [40, 160];
 
 /// Number of states at which a result is verified.
@@ -35,8 +34,7 @@ const ROUNDING: f64 = 1e-13;
 /// Minimum remainder of an independent column, relative to the longest column.
 const INDEPENDENT: f64 = 1e-7;
 
-/// Maximum remainder of a dependent column, relative to its length, and the
-/// relative size of a factor that is zero.
+/// Maximum remainder of a dependent column, and size of a zero factor.
 const DEPENDENT: f64 = 1e-11;
 
 /// Rounding errors of columns, relative to the longest of all.
@@ -77,8 +75,7 @@ pub enum BaseParameterError {
 /// A base parameter: a sum of parameters.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BaseParameter {
-    /// Columns of the regressor, from 0, and their factors; first the column
-    /// that is kept, with factor one.
+    /// Columns of the regressor, from 0, and factors; first the kept one's, 1.
     pub terms: Vec<(usize, f64)>,
     /// The value in the model.
     pub value: f64,
@@ -95,17 +92,12 @@ pub struct BaseParameters {
     pub least_kept: f64,
     /// Largest remainder of a column that is left out.
     pub most_left_out: f64,
-    /// Largest difference of `Y` and `Yb K` at other states, relative to the
-    /// column of `Y`.
+    /// Largest difference of `Y` and `Yb K` elsewhere, relative to `Y`.
     pub difference: f64,
 }
 
 impl BaseParameters {
     /// Finds the base parameters of a model.
-    ///
-    /// # Errors
-    ///
-    /// See [`BaseParameterError`].
     pub fn new(model: &Model, options: &Options) -> Result<BaseParameters, BaseParameterError> {
         if model.joints.len() > JOINTS {
             return Err(BaseParameterError::TooLarge(model.joints.len()));
@@ -211,8 +203,7 @@ impl BaseParameters {
         Ok(found)
     }
 
-    /// The largest difference between columns and what the kept ones give,
-    /// relative to the column.
+    /// Largest difference of columns from the kept ones' combination, relative.
     fn compare(&self, columns: &[Vec<f64>]) -> f64 {
         let mut rest = columns.to_vec();
         for base in &self.parameters {
@@ -249,7 +240,6 @@ pub fn parameter_name(column: usize) -> String {
     }
 }
 
-/// The parameters of a model, by column.
 fn values(model: &Model) -> Vec<f64> {
     let of_joint = |joint| {
         let body = model.body_of(joint);

@@ -23,9 +23,7 @@ use super::vector::{Inertia, Matrix, SumVector, Vector, ZERO, add_cross, cyclic,
 /// The motion of a frame without joint accelerations.
 #[derive(Clone, Copy)]
 pub(super) struct BiasMotion {
-    /// Angular velocity.
     pub(super) velocity: Vector,
-    /// Angular acceleration.
     pub(super) angular: Vector,
     /// Acceleration of the origin, minus gravity.
     pub(super) linear: Vector,
@@ -68,8 +66,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         }
     }
 
-    /// The same with accelerations of the joints: their forces are those of
-    /// inverse dynamics.
+    /// The same with accelerations of the joints, for inverse dynamics.
     pub(super) fn accelerated(self, accelerations: &'a [Scalar]) -> Self {
         Bias {
             accelerations,
@@ -225,8 +222,7 @@ impl<'a, 'm> Bias<'a, 'm> {
         wrench
     }
 
-    /// `c`: the component along the axis of the rigid motion of the composite
-    /// and of the contributions of the joints beyond.
+    /// `c`: the composite's rigid motion and the joints beyond, along the axis.
     fn force(
         &self,
         equations: &mut Equations,

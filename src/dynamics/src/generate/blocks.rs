@@ -19,9 +19,8 @@
 //!
 //! This is a factorisation `QR` without roots. It fails only where the block
 //! itself is singular, and there the joints are no valid choice of dependent
-//! ones; near it, unlike with cofactors, each unknown compensates for the
-//! errors of those before it. Larger blocks keep the order of pivots of the
-//! initial state.
+//! ones; near it, unlike with cofactors, unknowns compensate earlier errors.
+//! Larger blocks keep the order of pivots of the initial state.
 
 use super::algebra::{Scalar, Sum, dot};
 use super::equations::{Equations, QuantityLabel};
@@ -59,8 +58,7 @@ pub(super) fn solve_blocks(
     Ok(solution)
 }
 
-/// The strongly connected parts of a matrix, those first that need no other;
-/// each ascending.
+/// The strongly connected parts of a matrix, ascending, needed ones first.
 fn blocks(rows: &[SparseRow]) -> Vec<Vec<usize>> {
     let mut graph = DiGraph::<(), ()>::with_capacity(rows.len(), rows.len());
     let nodes: Vec<NodeIndex> = rows.iter().map(|_| graph.add_node(())).collect();
@@ -153,8 +151,7 @@ impl<'r> LoopBlock<'r> {
         last.map(|(side, _)| side + 1).fold(0, usize::max)
     }
 
-    /// The solution by directions: the last unknown from the one at right
-    /// angles to all other columns, then the one before it from the remainder.
+    /// The solution by directions, from the last unknown to the first.
     fn by_directions(
         &self,
         equations: &mut Equations,
@@ -201,8 +198,7 @@ impl<'r> LoopBlock<'r> {
         self.matrix.iter().map(|row| row[column]).collect()
     }
 
-    /// For every column a direction at right angles to those before it; in the
-    /// plane of the first two columns for the second.
+    /// For every column a direction at right angles to those before it.
     fn directions(&self, equations: &mut Equations, name: &'static str) -> Vec<Vec<Scalar>> {
         let first = self.column(0);
         let mut cross = |number: usize, a: &[Scalar], b: &[Scalar]| {

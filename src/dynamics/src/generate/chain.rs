@@ -1,12 +1,10 @@
-//! The motion of points along a chain of joints in a reference frame, for
-//! sensors, links, external forces and loops.
+//! The motion of points along chains of joints, for sensors, forces and loops.
 //!
 //! Everything is in the axes of the reference. A frame's rotation is kept as
-//! its three axes (rows). Levers are kept joint by joint, and the vector from
-//! a joint to the end of the chain is summed from the end, so that positions
-//! and Jacobians share these sums and no difference of large positions is
-//! ever taken. Joints in a row that turn about the same axis are one rotation
-//! by the sum of their angles.
+//! its three axes (rows). Levers are kept joint by joint, and the vector from a
+//! joint to the end of the chain is summed from the end, which positions and
+//! Jacobians share, without differences of large positions. Joints in a row
+//! that turn about the same axis are one rotation by the sum of their angles.
 
 use super::algebra::{Scalar, Sum, given};
 use super::equations::{Equations, QuantityLabel};
@@ -27,9 +25,8 @@ pub(super) struct ChainJoint {
     pub(super) axes: Matrix,
 }
 
-/// Column of the Jacobian of the end of a chain, or a derivative of one: the
-/// joint, and the velocity and the angular velocity that a unit of its velocity
-/// causes.
+/// Column of the Jacobian of a chain's end, or a derivative of one: the joint,
+/// and the velocity and angular velocity for a unit of its velocity.
 pub(super) type JacobianColumn = (usize, Vector, Vector);
 
 /// A run of rotations about one axis.
@@ -41,15 +38,13 @@ struct RotationRun {
     before: Matrix,
 }
 
-/// A chain of joints from a reference frame to a place on the last joint's
-/// body.
+/// A chain of joints from a reference frame to a place on the last body.
 pub(super) struct Chain {
     /// The number of the chain, after its names.
     number: u32,
     suffix: &'static str,
     pub(super) steps: Vec<ChainJoint>,
-    /// From the origin of the reference to that of the first joint, or to the
-    /// place if there is none.
+    /// From the reference's origin to the first joint's, or else to the place.
     start: SumVector,
     /// From the last frame's origin to the place.
     pub(super) end: Vector,
@@ -195,8 +190,7 @@ impl Chain {
         arms
     }
 
-    /// From the origin of the reference to the end of the chain, as terms: the
-    /// difference of two chains then drops their common beginning.
+    /// From the reference to the end, as terms that differences cancel.
     pub(super) fn position_terms(&self, equations: &mut Equations) -> SumVector {
         let arms = self.arms(equations);
         let mut position = self.start.clone();
@@ -213,7 +207,6 @@ impl Chain {
         self.define(equations, "PO", joint, 0, position)
     }
 
-    /// The axes of the last frame.
     pub(super) fn axes(&self) -> Matrix {
         let identity = [unit(0), unit(1), unit(2)];
         self.steps.last().map_or(identity, |step| step.axes)
@@ -241,8 +234,7 @@ impl Chain {
         pairs.filter(|(step, _)| moves(step)).map(column).collect()
     }
 
-    /// Velocities and accelerations of the end for given velocities and
-    /// accelerations of the joints; the reference is at rest.
+    /// Velocities and accelerations of the end; the reference is at rest.
     pub(super) fn motion(
         &self,
         equations: &mut Equations,
@@ -299,8 +291,7 @@ impl Chain {
         motion
     }
 
-    /// From the origin of a frame to a place at a lever from it, which may
-    /// slide along an axis.
+    /// From a frame's origin to a place at a lever, perhaps sliding on an axis.
     fn carry(
         &self,
         equations: &mut Equations,

@@ -16,8 +16,7 @@ use super::equations::Equations;
 use super::parameters::ModelParameters;
 use super::vector::{SumVector, Vector, ZERO, add_cross, add_sums, add_vector, sums, sums_of};
 
-/// Derivatives by time of the parts of a Jacobian, one of each kind for every
-/// joint of a chain.
+/// Derivatives by time of the parts of a Jacobian, by joint of a chain.
 struct ChainRates {
     axes: Vec<Vector>,
     /// From the joint to the end.
@@ -80,8 +79,7 @@ impl Chain {
         })
     }
 
-    /// The second derivative of [`Chain::jacobian`] by time, for accelerations of
-    /// all joints.
+    /// Second derivative of [`Chain::jacobian`] by time, for all accelerations.
     pub(super) fn jacobian_second_rate(
         &self,
         equations: &mut Equations,
@@ -103,8 +101,7 @@ impl Chain {
         })
     }
 
-    /// Columns of the joints that move, from the derivatives of their axes and
-    /// those of the linear part of revolute joints.
+    /// Columns of the joints that move, from axes' and linear derivatives.
     fn columns(
         &self,
         parameters: &ModelParameters<'_>,

@@ -1,5 +1,4 @@
-//! Closing loops: positions and velocities of dependent joints from those of
-//! the others.
+//! Closing loops: positions and velocities of dependent joints from others.
 //!
 //! With `h(q) = 0` and its Jacobian `J = [Ju Jc Jv]` (independent, driven and
 //! dependent joints), one iteration of Newton's method and the velocities are
@@ -28,8 +27,7 @@ use super::roles::JointRoles;
 use super::user_constraints::{self, DependentJoints, ReducedRows, solve_unknown};
 use super::{GenerateError, Options};
 
-/// Writes `h` of the independent rows, and `q` of dependent joints after one
-/// round.
+/// Writes `h` of independent rows, and `q` of dependent joints after a round.
 pub(super) fn positions(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,
@@ -116,8 +114,7 @@ impl<'p, 'm> Closing<'p, 'm> {
         })
     }
 
-    /// The solution of `J x + b = 0` for the joints that follow, with their
-    /// numbers; `b` is made by the caller for each row.
+    /// The solution of `J x + b = 0` for the joints that follow, with numbers.
     pub(super) fn solve(
         &self,
         equations: &mut Equations,

@@ -15,8 +15,7 @@ use super::parameters::ModelParameters;
 use super::recursive::{DIRECT, FrameMotion, JointLoad, Recursion};
 use super::vector::{SumVector, Vector, ZERO, add_cross, add_matrix_product, define, sums, unit};
 
-/// Mass and first moment (about the joint's origin, in its frame) of all bodies
-/// beyond a joint.
+/// Mass and first moment, in the joint's frame, of all bodies beyond it.
 struct MassAndMoment {
     mass: Scalar,
     moment: Vector,
@@ -50,8 +49,7 @@ impl Columns<'_, '_, '_, '_> {
     /// `M`: column by column of the accelerations.
     fn write(&mut self, true_angles: bool) {
         let count = self.recursion.parameters.joints();
-        // Forward: the derivatives with respect to every ancestor, the joint
-        // itself last.
+        // Forward: the derivatives by every ancestor, the joint itself last.
         let mut paths: Vec<Vec<usize>> = Vec::with_capacity(count);
         let mut motions: Vec<Vec<FrameMotion>> = Vec::with_capacity(count);
         for joint in 0..count {

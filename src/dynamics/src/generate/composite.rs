@@ -19,8 +19,7 @@ use super::{Options, recursive};
 
 /// `M`, its lower triangle by rows, and `c`.
 pub(super) struct MassAndBias {
-    /// For every joint, its entries with the joints on its path to the base,
-    /// the joint itself first.
+    /// For every joint, its entries with itself and the joints on its path.
     pub(super) mass: Vec<Vec<(usize, Scalar)>>,
     pub(super) bias: Vec<Scalar>,
 }
@@ -58,8 +57,7 @@ impl MassAndBias {
         self
     }
 
-    /// Sets the outputs `M` and `c`; entries that are structurally zero are
-    /// left out.
+    /// Sets the outputs `M` and `c`, without structural zeros.
     pub(super) fn output(&self, equations: &mut Equations) {
         for (joint, entries) in self.mass.iter().enumerate() {
             for &(ancestor, entry) in entries {
@@ -105,8 +103,7 @@ pub(super) fn with_armature(
     equations.define(label, Sum::total(&[entry, armature]))
 }
 
-/// Joint forces for given accelerations of the joints, with composites where
-/// that takes fewer operations than body by body.
+/// Joint forces for accelerations, by the form of fewer operations.
 pub(super) fn inverse(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,
@@ -140,8 +137,7 @@ pub(super) fn bias(
     }
 }
 
-/// Writes forces in both forms to find the one with fewer operations: those for
-/// given accelerations, or the bias beside composites that are needed anyway.
+/// Writes forces in both forms to find the one with fewer operations.
 fn body_by_body(parameters: &ModelParameters<'_>, options: &Options, accelerated: bool) -> bool {
     let count = |bodies: bool| {
         let mut trial = Equations::new(EquationStyle {
@@ -207,8 +203,7 @@ fn column(
     entries
 }
 
-/// The wrench of a column (the second joint) beyond a joint (the first), before
-/// that joint.
+/// The wrench of a column (second joint) beyond a joint (first), before it.
 pub(super) fn carry(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,

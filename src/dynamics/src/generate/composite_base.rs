@@ -33,8 +33,7 @@ pub(super) fn dynamics(
     MassAndBias { mass, bias }.with_armatures(equations, parameters)
 }
 
-/// Joints at most this far beyond their hub are carried in body frames: the
-/// common frame of so few would cost more than it saves.
+/// Joints at most this far beyond their hub are carried in body frames.
 const NEAR: usize = 7;
 
 /// The common frames and where the joints are in them.

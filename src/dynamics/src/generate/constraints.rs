@@ -1,5 +1,4 @@
-//! Loops: the constraints `h`, their Jacobian `Jac` and the velocity terms of
-//! their second derivative, `Jdqd`.
+//! Loops: the constraints `h`, their Jacobian `Jac` and velocity terms `Jdqd`.
 //!
 //! A loop is cut into two chains that start at the last joint both have in
 //! common. A ball demands that their ends coincide (3 rows), a rod that their
@@ -40,7 +39,6 @@ impl ConstraintRow {
 }
 
 impl ConstraintRow {
-    /// The entry of the Jacobian of a joint.
     pub(super) fn entry(&self, joint: usize) -> Scalar {
         find_entry(&self.jacobian, joint)
     }
@@ -177,7 +175,6 @@ impl ConstraintWriter<'_, '_, '_> {
         rows
     }
 
-    /// The chains to both ends.
     pub(super) fn ends(&mut self, options: &Options) -> [Chain; 2] {
         let cut = &self.parameters.model.cuts[self.number];
         let [first, second] = split(self.parameters, &cut.ends);

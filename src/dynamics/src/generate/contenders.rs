@@ -1,5 +1,4 @@
-//! Formulations of a function among which the shortest one is, without those
-//! that cannot be it.
+//! Formulations of a function that may be the shortest one.
 //!
 //! The length of a program is known after passes, which take far longer over a
 //! long function than its generation. No pass halves one formulation and does
@@ -32,16 +31,14 @@ pub struct Contender {
 /// Formulations that came into question.
 #[derive(Clone, Default, Debug)]
 pub struct Contenders {
-    /// Those that may be the shortest, in the order of their list; of those
-    /// with the same equations the first.
+    /// Those that may be the shortest, in order; of equal ones the first.
     pub possible: Vec<Contender>,
     /// Those that the generator does not give for the model, and why.
     pub refused: Vec<(Formulation, GenerateError)>,
 }
 
-/// The formulation of a function that has the fewest operations after the
-/// preset `$cpu`, of equally short ones the first; one that the generator does
-/// not give for this model is none.
+/// The formulation of a function with the fewest operations after the preset
+/// `$cpu`, of equal ones the first, among those for the model.
 pub fn fewest(model: &Model, function: FunctionKind, options: &Options) -> Formulation {
     let cpu = REGISTRY.pipeline("$cpu").expect("a preset is a pipeline");
     let machine = Machine::built_in("thesis").expect("it ships");
@@ -110,9 +107,8 @@ fn eliminates(formulation: Formulation) -> bool {
     formulation != Formulation::Articulated
 }
 
-/// Minimum number of operations of a function: those of the elimination of the
-/// mass matrix, where each product is subtracted. Loops change the size of the
-/// elimination.
+/// Minimum number of operations of a function: the elimination of the mass
+/// matrix, where each product is subtracted. Loops change its size.
 fn least_operations(model: &Model, function: FunctionKind, formulation: Formulation) -> usize {
     let is_known = function == FunctionKind::Accelred && model.cuts.is_empty();
     if is_known && eliminates(formulation) {

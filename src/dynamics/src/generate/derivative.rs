@@ -16,9 +16,8 @@
 //!
 //! of velocities `v` seen from the origin of the frame: an angular velocity `u`
 //! adds the accelerations `2 u x v`, and so the force `2 u x P` and the torque
-//! `2 (tr N - N) u`. From frame to frame `P` and `N` are carried like first and
-//! second moments of mass. Everything is twice itself here (`VP`, `VN`), which
-//! spares the factor.
+//! `2 (tr N - N) u`. `P` and `N` are carried like first and second moments of
+//! mass, all doubled here (`VP`, `VN`), which spares the factor.
 //!
 //! The same in the frames of spatial vectors is Singh, Russell and Wensing,
 //! "Efficient analytical derivatives of rigid-body dynamics using spatial vector
@@ -43,8 +42,7 @@ use super::vector::{
 /// An entry of a matrix of joints: the row, the column and the value.
 pub(super) type JointEntry = (usize, usize, Scalar);
 
-/// The derivatives of the forces `Qq` (rows) by the motion of joints (columns),
-/// without entries that are structurally zero.
+/// Derivatives of forces `Qq` (rows) by joints (columns), without zeros.
 #[derive(Default)]
 pub(super) struct ForceDerivatives {
     pub(super) by_position: Vec<JointEntry>,
@@ -73,8 +71,7 @@ impl ForceDerivatives {
     }
 }
 
-/// Sets the elements of a matrix of joints as outputs; one that is zero is
-/// for all where there are none.
+/// Sets a matrix of joints as outputs; one zero where all entries are.
 pub(super) fn output(equations: &mut Equations, array: &str, entries: &[JointEntry]) {
     if entries.is_empty() {
         equations.output(array, &[1, 1], Scalar::ZERO);
@@ -98,8 +95,7 @@ pub(super) fn inverse(
     output(equations, "Qq_qd", &found.by_velocity);
 }
 
-/// Twice the momentum, and twice the sum of `m v r^T`, of the bodies beyond a
-/// joint; velocities are those seen from its origin.
+/// Twice the momentum, and `m v r^T`, of bodies beyond a joint, from it.
 #[derive(Clone, Copy)]
 struct MovedMoments {
     momentum: Vector,
@@ -217,8 +213,7 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         }
     }
 
-    /// `2 OM x m l`, and `~OM 2 E + P l^T` with the moments `E` of mass about the
-    /// centre, `2 E = tr I - 2 I`.
+    /// `2 OM x m l`, and `~OM 2 E + P l^T` with central `2 E = tr I - 2 I`.
     fn own_moments(&mut self, joint: usize) -> (SumVector, [SumVector; 3]) {
         let parameters = self.recursion.parameters;
         if let Some(grouped) = &parameters.grouped {
@@ -267,9 +262,8 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         moments
     }
 
-    /// Adds the load of a child, in the frame of its parent and seen from its
-    /// origin: with `w` the child's velocity, `P + m w` and `N + (P + m w) d^T
-    /// + w h^T`.
+    /// Adds the load of a child, in its parent's frame: with `w` the child's
+    /// velocity, `P + m w` and `N + (P + m w) d^T + w h^T`.
     fn add_child(&mut self, child: usize, momentum: &mut SumVector, moments: &mut [SumVector; 3]) {
         let turn = &self.recursion.parameters.turns[child];
         let (moved, swing) = (self.moved[child], self.swings[child]);
@@ -359,8 +353,7 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         }
     }
 
-    /// Changes of the motion of the frame after a joint by the position and by
-    /// the velocity of the joint, for bodies that are seen from it.
+    /// Changes of the motion of the frame after a joint by its motion.
     fn changes(&self, joint: usize) -> [MotionChange; 2] {
         let parameters = self.recursion.parameters;
         let a = parameters.axis(joint);
@@ -432,9 +425,8 @@ impl<'e, 'p, 'm> Derivative<'e, 'p, 'm> {
         wrench
     }
 
-    /// The derivatives of the force of a joint by the position and the velocity
-    /// of a joint before it, where a unit of acceleration of the former takes
-    /// `taken`.
+    /// Derivatives of the force of a joint by position and velocity of a joint
+    /// before it, where a unit of acceleration of the former takes `taken`.
     fn answer(&mut self, joint: usize, before: usize, taken: &Wrench, turning: &Vector) {
         let [by_position, by_velocity] = self.changes(before).map(|change| {
             let mut sum = Sum::new();
@@ -480,7 +472,6 @@ fn add_outer(sum: &mut [SumVector; 3], one: &Vector, other: &Vector) {
     }
 }
 
-/// Names the entries of a matrix.
 fn name_matrix(
     equations: &mut Equations,
     prefix: &'static str,

@@ -3,8 +3,7 @@
 //! Every right-hand side is kept once: an equation that equals an earlier one,
 //! or its negative, in any order of terms and factors, is that earlier one
 //! (hash-consing). Terms that cancel, zeros and ones disappear on the way. So
-//! structural zeros of a model, like a centre of mass on the joint's axis, cost
-//! no operation.
+//! structural zeros, like a centre of mass on an axis, cost nothing.
 
 use super::algebra::{ProductFactor, Scalar, SignedProduct, Sum};
 use super::joint_arrays::JointNumbers;
@@ -19,8 +18,7 @@ use std::hash::BuildHasher;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct QuantityLabel {
     pub(super) prefix: &'static str,
-    /// Kind and number of the sensor, link or chain the quantity belongs to
-    /// (`ROcp1_53`).
+    /// Kind and number of the sensor, link or chain it belongs to (`ROcp1_53`).
     pub(super) group: Option<(&'static str, u32)>,
     /// Component, counted from 1; 0 for none.
     pub(super) component: u8,
@@ -48,7 +46,6 @@ impl QuantityLabel {
         }
     }
 
-    /// The name as text.
     pub(super) fn text(self) -> String {
         let QuantityLabel {
             prefix,
@@ -71,7 +68,6 @@ impl QuantityLabel {
     }
 }
 
-/// Meaning of an atom.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Atom {
     Zero,
@@ -118,9 +114,8 @@ fn place_of<T>(list: &mut Vec<T>, is: impl FnMut(&T) -> bool, new: impl FnOnce()
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct EquationStyle {
     /// Keep the terms in the order of the recursion even when the first is
-    /// negative, and print that minus, as generator 8.1 does. Otherwise a
-    /// positive term goes first, and an equation of negative terms is kept as
-    /// its negative.
+    /// negative, and print that minus, as generator 8.1 does. Otherwise
+    /// positive terms go first, and negative equations are negated.
     pub(super) leading_signs: bool,
 }
 
@@ -233,8 +228,7 @@ impl Equations {
         Scalar::of_atom(atom).negated_if(number < 0.0)
     }
 
-    /// Sets an output element, in frames until [`Equations::number_outputs`];
-    /// constant rotations have none.
+    /// Sets an output element, in frames until [`Equations::number_outputs`].
     pub(super) fn output(&mut self, array: &str, indices: &[usize], value: Scalar) {
         assert!(
             (value.atom() as usize) < self.atoms.len(),
@@ -254,8 +248,7 @@ impl Equations {
             .outputs(&self.results, &mut self.outputs);
     }
 
-    /// Frees the tables for finding earlier equations: no more equations are
-    /// defined. Of large functions it is a third of all.
+    /// Frees the tables for finding earlier equations, at the end.
     pub(super) fn close(&mut self) {
         self.inputs = hashbrown::HashMap::default();
         self.numbers = hashbrown::HashMap::default();
@@ -305,8 +298,7 @@ impl Equations {
         scalar.negated_if(flipped)
     }
 
-    /// The sum in parentheses, as a term that can be multiplied further;
-    /// `None` when it is zero.
+    /// The sum in parentheses, as a term to multiply further; `None` when zero.
     pub(super) fn group(&mut self, mut sum: Sum) -> Option<SignedProduct> {
         cancel(&mut sum);
         if sum.terms.len() <= 1 {
@@ -365,12 +357,10 @@ impl Equations {
             .negated_if(negative)
     }
 
-    /// The cosine of a scalar.
     pub(super) fn cos(&mut self, label: QuantityLabel, angle: Scalar) -> Scalar {
         self.function(label, 2, RightHandSide::Cos(angle.magnitude()))
     }
 
-    /// The square root of a scalar.
     pub(super) fn sqrt(&mut self, label: QuantityLabel, radicand: Scalar) -> Scalar {
         self.function(label, 3, RightHandSide::Sqrt(radicand))
     }
@@ -446,8 +436,7 @@ impl Equations {
         FxBuildHasher.hash_one(&self.scratch)
     }
 
-    /// Puts a positive term first; a sum without one is negated. True when it
-    /// was.
+    /// Puts a positive term first; true for a sum without, which is negated.
     fn order_signs(&self, sum: &mut Sum) -> bool {
         if self.style.leading_signs {
             return false;
@@ -466,9 +455,8 @@ impl Equations {
         }
     }
 
-    /// Writes the canonical key of a sum into the scratch space: factors and
-    /// terms in order, the first term positive. True when the sum's signs are
-    /// the opposite of the key's.
+    /// Writes the canonical key of a sum into the scratch space: in order, the
+    /// first term positive. True when the sum's signs are the opposite.
     fn write_key(&mut self, sum: &Sum) -> bool {
         let mut terms: SmallVec<[(SmallVec<[ProductFactor; 4]>, bool); 8]> = sum
             .terms

@@ -72,8 +72,7 @@ pub enum GenerateError {
         /// The name of the formulation.
         formulation: &'static str,
     },
-    /// The function needs identities that the options forbid, in every
-    /// formulation.
+    /// Every formulation of the function needs identities that options forbid.
     #[error(
         "{function} needs sin^2 + cos^2 = 1, and the cosine as the derivative of the sine, which \
          the options exclude; the pass 'trigonometry' may replace sines and cosines afterwards"

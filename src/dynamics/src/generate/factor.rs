@@ -29,12 +29,10 @@ pub(super) fn find_entry(row: &[(usize, Scalar)], column: usize) -> Scalar {
     found.map_or(Scalar::ZERO, |&(_, value)| value)
 }
 
-/// The maximum number of products that an elimination may take: those of a
-/// dense matrix of some 230 rows.
+/// Maximum number of products of an elimination: those of 230 dense rows.
 pub(super) const LIMIT: usize = 2_000_000;
 
-/// The products that the elimination of a tree's mass matrix takes, without
-/// loops: one for each joint and pair of joints on its path.
+/// Products of the elimination of a tree's mass matrix, without loops.
 pub(super) fn products(model: &Model) -> usize {
     let pairs = |depth: &usize| depth.saturating_mul(depth - 1) / 2;
     let depths = model.depths();
@@ -58,8 +56,7 @@ pub(super) fn too_large(model: &Model) -> GenerateError {
     }
 }
 
-/// Solves `M X = B` for a symmetric matrix given by the rows of its lower
-/// triangle, column by column of `B`. `joints` names rows and columns.
+/// Solves `M X = B` for a symmetric matrix by its lower triangle.
 pub(super) fn solve_symmetric(
     equations: &mut Equations,
     rows: &[SparseRow],
@@ -140,7 +137,6 @@ pub(super) fn solve_symmetric(
     Ok(solutions)
 }
 
-/// The product of two scalars.
 pub(super) fn product(
     equations: &mut Equations,
     label: QuantityLabel,
@@ -151,12 +147,11 @@ pub(super) fn product(
     equations.define(label, sum)
 }
 
-/// Solves `A X = B` for a square matrix whose rows and columns already are in
-/// the order of their pivots. A row holds its columns, then those of the right
-/// sides. The names are those of the triangular factors, of the pivots'
-/// inverses, and of the solution before and after its division. Gives the
-/// solution and those inverses; the number of a row without a pivot is an
-/// error.
+/// Solves `A X = B` for a square matrix with rows and columns in the order of
+/// pivots. A row holds its columns, then those of the right sides. The names
+/// are those of the triangular factors, of the pivots' inverses, and of the
+/// solution before and after its division. Gives the solution and those
+/// inverses; the number of a row without a pivot is an error.
 pub(super) fn solve_square(
     equations: &mut Equations,
     [upper_name, lower_name, inverse_name, half_name, name]: [&'static str; 5],

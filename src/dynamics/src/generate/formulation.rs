@@ -24,8 +24,7 @@ pub enum Formulation {
     /// Composite rigid bodies with the columns of `M` in one common frame, that
     /// of the first body with mass: the fewest operations for long chains.
     CompositeBase,
-    /// Everything in one common frame, as sums and products over paths: the
-    /// shortest critical path.
+    /// Everything in one common frame, in sums over paths: the shortest chain.
     Prefix {
         /// In which order paths and subtrees are combined.
         network: PrefixNetwork,
@@ -144,8 +143,7 @@ impl Formulation {
         }
     }
 
-    /// True when the formulation gives accelerations of models with loops or
-    /// constraints of the user.
+    /// True for accelerations of models with loops or constraints of the user.
     pub fn closes_loops(self) -> bool {
         self != Formulation::Articulated
     }

@@ -21,7 +21,6 @@ use std::borrow::Cow;
 const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
 pub(super) struct ModelFrames<'m> {
-    /// The original model.
     pub(super) source: &'m Model,
     /// The model whose joints are all frames.
     pub(super) model: Cow<'m, Model>,

@@ -1,11 +1,10 @@
 //! A free base described by a quaternion instead of yaw, pitch and roll.
 //!
-//! Forces do not depend on the frame in which a motion is described. So the base
-//! is described in the frame in which it is at the moment, where all of its six
-//! joints are at zero: gravity is turned into that frame, and the rates of the
-//! joints are the velocity `v` and the angular velocity `w` of the base along
-//! its own axes, as in Pinocchio. These change by `vd` and `wd`; the joints then
-//! accelerate by
+//! Forces do not depend on the frame in which a motion is described. So the
+//! base is described in its frame of the moment, where all six joints are at
+//! zero: gravity is turned into that frame, and the rates of the joints are the
+//! velocity `v` and the angular velocity `w` of the base along its own axes, as
+//! in Pinocchio. These change by `vd` and `wd`; the joints then accelerate by
 //!
 //! ```text
 //! translations  vd + w x v
@@ -14,8 +13,7 @@
 //! roll          wd_x + w_y w_z
 //! ```
 //!
-//! There is no pitch at which the equations are singular, and six angles have
-//! neither sines nor cosines.
+//! No pitch is singular, and six angles have neither sines nor cosines.
 //!
 //! Derivatives by the position of the base are those along its own axes: its
 //! origin moves by `R d`, or it turns by `R exp(~d)`, while `v`, `w`, `vd` and
@@ -113,8 +111,7 @@ pub(super) fn gravity(equations: &mut Equations, along: &Vector) -> Vector {
     })
 }
 
-/// The accelerations of the joints of the base while `vd` and `wd` are zero, of
-/// their rates.
+/// Accelerations of the base's joints, of their rates, at zero `vd` and `wd`.
 pub(super) fn resting(equations: &mut Equations, qd: &[Scalar]) -> Vec<Scalar> {
     let (v, w) = ([qd[0], qd[1], qd[2]], [qd[5], qd[4], qd[3]]);
     let mut define =
@@ -132,8 +129,7 @@ pub(super) fn resting(equations: &mut Equations, qd: &[Scalar]) -> Vec<Scalar> {
     all
 }
 
-/// Changes of the motion of the base along the axis of one of its joints, by
-/// position and by velocity.
+/// Changes of the base's motion along one axis, by position and velocity.
 pub(super) fn changes(parameters: &ModelParameters<'_>, joint: usize) -> [MotionChange; 2] {
     let axis = parameters.axis(joint);
     let qd = &parameters.qd;

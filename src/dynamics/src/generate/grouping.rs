@@ -19,7 +19,6 @@ use std::array::from_fn;
 pub(super) struct GroupedInertia {
     /// Mass; perhaps none.
     pub(super) mass: f64,
-    /// First moment.
     pub(super) first: [f64; 3],
     /// Moments of inertia; no body need have them.
     pub(super) moments: [[f64; 3]; 3],
@@ -100,8 +99,7 @@ impl GroupedInertia {
     }
 }
 
-/// The inertias of all frames, with as much as possible on the bodies before,
-/// save that the frames before a first one keep theirs.
+/// Inertias of all frames, moved to the bodies before as far as possible.
 pub(super) fn grouped(frames: &ModelFrames<'_>, first: usize) -> Vec<GroupedInertia> {
     let model = &frames.model;
     let of_body = |joint| match model.body_of(joint) {

@@ -89,7 +89,6 @@ impl Pose {
     }
 }
 
-/// The axes of a frame beyond a rotation.
 pub(super) fn turned(
     equations: &mut Equations,
     name: &'static str,
@@ -110,11 +109,9 @@ pub(super) fn turned(
     turned
 }
 
-/// Effect of a unit of a joint's velocity, in the axes of its hub and about its
-/// origin.
+/// Effect of a unit of a joint's velocity, in its hub's axes, about its origin.
 #[derive(Clone, Copy)]
 pub(super) struct Twist {
-    /// Angular velocity.
     pub(super) angular: Vector,
     /// Velocity of the point at the hub's origin.
     pub(super) linear: Vector,

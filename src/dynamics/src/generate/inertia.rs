@@ -1,14 +1,13 @@
 //! Mass, first moment and moments of inertia of sets of bodies, and the forces
-//! in joints: the quantities that composite-body recursions transform from
-//! frame to frame.
+//! in joints: the quantities of composite-body recursions.
 //!
 //! Both are moved across a joint the same way: turned by its one rotation, then
-//! referred to the parent's origin. Zeros of offsets and inertias cost no
-//! operation, because sums drop them.
+//! referred to the parent's origin. Zeros of offsets and inertias cost nothing.
 
 use super::algebra::{Scalar, Sum};
+use super::bias::BiasMotion;
 use super::equations::{Equations, QuantityLabel};
-use super::hub::Twist;
+use super::hub::{Pose, Twist};
 use super::parameters::ModelParameters;
 use super::vector::{
     AxisRotation, Inertia, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product,
@@ -64,7 +63,6 @@ impl SumWrench {
         }
     }
 
-    /// Names the components.
     pub(super) fn define(
         self,
         equations: &mut Equations,
@@ -190,7 +188,6 @@ impl SumInertia {
         }
     }
 
-    /// Names everything.
     pub(super) fn define(
         self,
         equations: &mut Equations,
@@ -220,8 +217,7 @@ impl SumInertia {
 }
 
 impl Inertia {
-    /// The inertias of the bodies that every joint carries: its own body and
-    /// all bodies beyond it, about the joint's origin and in its frame.
+    /// Inertias of all bodies that joints carry, in joint frames and origins.
     pub(super) fn composites(
         equations: &mut Equations,
         parameters: &ModelParameters<'_>,
@@ -248,8 +244,7 @@ impl Inertia {
         moments: [ZERO; 3],
     };
 
-    /// The wrench that a unit of acceleration along a twist takes: force
-    /// `m v + z x h`, torque `J z + h x v`.
+    /// Wrench of a unit of twist: force `m v + z x h`, torque `J z + h x v`.
     pub(super) fn wrench(
         &self,
         equations: &mut Equations,
@@ -285,8 +280,7 @@ impl Inertia {
 }
 
 impl Wrench {
-    /// A wrench of a joint's frame in its parent's, about the parent's origin.
-    /// The turned force has `name`.
+    /// A wrench in the parent's frame and origin; the turned force has `name`.
     pub(super) fn to_parent(
         self,
         equations: &mut Equations,
@@ -432,4 +426,79 @@ pub(super) fn turn_general(
 fn twice_cos(equations: &mut Equations, joint: usize, turn: &AxisRotation) -> Scalar {
     let twice = Sum::total(&[turn.cos, turn.cos]);
     equations.define(QuantityLabel::new("CC", 0, joint + 1), twice)
+}
+
+/// Moments of inertia in the axes of the reference. Since the axes are
+/// orthogonal, `R^T I R = I_11 E + R^T (I - I_11 E) R`, with an entry less.
+pub(super) fn turned_moments(
+    equations: &mut Equations,
+    joint: usize,
+    moments: &Matrix,
+    pose: &Pose,
+) -> Matrix {
+    if pose.axes == Pose::HERE.axes {
+        return *moments;
+    }
+    let first = moments[0][0];
+    let mut rest = *moments;
+    for axis in 0..3 {
+        let sum = Sum::total(&[moments[axis][axis], -first]);
+        rest[axis][axis] = equations.define(QuantityLabel::new("ID", axis + 1, joint + 1), sum);
+    }
+    let mut half = [ZERO; 3];
+    for (row, entries) in rest.iter().enumerate() {
+        half[row] = {
+            let sum = pose.lever(entries);
+            let mut component = 0;
+            sum.map(|sum| {
+                component += 1;
+                let label = QuantityLabel::new("IR", 3 * row + component, joint + 1);
+                equations.define(label, sum)
+            })
+        };
+    }
+    let mut turned = [ZERO; 3];
+    for row in 0..3 {
+        for column in row..3 {
+            let mut sum = Sum::new();
+            if row == column {
+                sum.add(&[first]);
+            }
+            for (axis, half) in pose.axes.iter().zip(&half) {
+                sum.add(&[axis[row], half[column]]);
+            }
+            let label = QuantityLabel::new("JB", 3 * row + column + 1, joint + 1);
+            turned[row][column] = equations.define(label, sum);
+            turned[column][row] = turned[row][column];
+        }
+    }
+    turned
+}
+
+/// The torque that a body's own rotation takes, about its centre of mass.
+pub(super) fn euler(
+    equations: &mut Equations,
+    joint: usize,
+    moments: &Matrix,
+    motion: &BiasMotion,
+) -> SumVector {
+    let mut torque = sums();
+    for a in 0..3 {
+        let (b, c) = cyclic(a);
+        let (low, high) = (b.min(c), b.max(c));
+        let product = Sum::product(&[motion.velocity[b], motion.velocity[c]]);
+        let label = QuantityLabel::new("BS", 3 * low + high + 1, joint + 1);
+        let product = equations.define(label, product);
+        let squares = Sum::total(&[motion.squares[b], -motion.squares[c]]);
+        let squares = equations.define(QuantityLabel::new("BD", a + 1, joint + 1), squares);
+        let difference = Sum::total(&[moments[c][c], -moments[b][b]]);
+        let difference = equations.define(QuantityLabel::new("JE", a + 1, joint + 1), difference);
+        torque[a]
+            .add(&[moments[a][a], motion.angular[a]])
+            .add(&[difference, product])
+            .add(&[moments[b][c], squares])
+            .subtract(&[moments[a][b], motion.tilde[c][a]])
+            .add(&[moments[a][c], motion.tilde[b][a]]);
+    }
+    torque
 }

@@ -18,10 +18,6 @@ use robovec_robotran::FunctionKind;
 /// A function of a model with its Jacobians as further outputs, named as the
 /// pass `differentiate` names them: `Qq_q`. Functions without a recursion for
 /// their Jacobians are as [`generate`](super::generate) makes them.
-///
-/// # Errors
-///
-/// See [`GenerateError`].
 pub fn with_jacobians(model: &Model, request: &GenerationRequest) -> Result<Module, GenerateError> {
     let mut module = Module::new();
     with_jacobians_into(&mut module, model, request)?;
@@ -29,10 +25,6 @@ pub fn with_jacobians(model: &Model, request: &GenerationRequest) -> Result<Modu
 }
 
 /// Does as [`with_jacobians`], and adds the function to a module.
-///
-/// # Errors
-///
-/// See [`GenerateError`].
 pub fn with_jacobians_into(
     module: &mut Module,
     model: &Model,
@@ -66,9 +58,8 @@ pub fn with_jacobians_into(
 }
 
 /// Makes the functions of a module from a first one on one with the name of the
-/// first. Inputs of the same name are one; of the outputs of the others those
-/// whose names begin with the name of an output of the first and `_` are kept,
-/// after one is renamed.
+/// first. Inputs of the same name are one; outputs of the others are kept whose
+/// names begin with one of the first's and `_`, after one is renamed.
 fn join(module: &mut Module, first: usize, renamed: Option<(&str, &str)>) {
     let symbols = &mut module.tables.symbols;
     let renamed = renamed.map(|(old, new)| (symbols.intern(old), symbols.intern(new)));

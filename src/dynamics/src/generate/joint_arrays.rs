@@ -1,6 +1,5 @@
 //! Joints among the indices of arrays, and frames in the arrays of functions:
-//! constant rotations are in none, and symbols of joints that move against
-//! their axis have the opposite sign.
+//! constant rotations are in none, symbols of reversed joints change sign.
 
 use super::algebra::Scalar;
 use robovec_model::Model;
@@ -15,7 +14,6 @@ enum IndexMeaning {
     Coordinate,
 }
 
-/// Meanings of the two indices of an array.
 fn meanings(array: &str) -> [IndexMeaning; 2] {
     use IndexMeaning::{Body, Coordinate, Other};
     match array {
@@ -66,15 +64,13 @@ pub fn index_names<'m>(
     })
 }
 
-/// The number of the joint of each frame, both from 1, and a flag: true when it
-/// is reversed.
+/// Number of each frame's joint, both from 1, and a flag: true when reversed.
 #[derive(Clone, Default, Debug)]
 pub(super) struct JointNumbers {
     /// By frame: 0 for a constant rotation. Empty where frames are joints.
     pub(super) numbers: Vec<u32>,
     pub(super) reversed: Vec<bool>,
-    /// Yaw and roll of a free base are exchanged: its arrays have roll, pitch and
-    /// yaw in this order, as the components of a vector.
+    /// Yaw and roll of a free base are exchanged: its arrays are roll first.
     pub(super) is_exchanged: bool,
 }
 

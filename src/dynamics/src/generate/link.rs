@@ -1,5 +1,4 @@
-//! Links: forces along the line between two points, by the user's law of its
-//! length `Z` and rate `Zd`.
+//! Links: forces along a line, by the user's law of length `Z` and rate `Zd`.
 //!
 //! The points are seen from the last joint both have in common. With `e` the
 //! direction from the first to the second point, the force `F` of the law acts
@@ -10,7 +9,7 @@ use super::algebra::{Scalar, Sum};
 use super::chain::Chain;
 use super::constraints::{place, split};
 use super::equations::{Equations, QuantityLabel};
-use super::loads::{Loads, into_frame};
+use super::forces::{Loads, into_frame};
 use super::parameters::ModelParameters;
 use super::vector::{Vector, define_as, subtracted, unit};
 use robovec_ir::{Boundary, SourceSet};
@@ -79,8 +78,7 @@ fn one(
 }
 
 /// Length and direction of a span. Along one axis the length is the component
-/// itself, with its sign, as in Robotran: a link over a prismatic joint then
-/// has the joint's position as its length.
+/// with its sign, as in Robotran: for a prismatic joint, its position.
 fn line(equations: &mut Equations, number: usize, span: &Vector) -> (Scalar, Vector) {
     let mut present = (0..3).filter(|&k| !span[k].is_zero());
     if let (Some(only), None) = (present.next(), present.next()) {

@@ -1,6 +1,5 @@
-//! Changes of a motion that keep loops closed, by the position and the velocity of
-//! each joint that does not depend on others; [`super::sensitivity`] has the
-//! equations.
+//! Changes of a motion that keep loops closed, by position and velocity of each
+//! independent joint; [`super::sensitivity`] has the equations.
 
 use super::algebra::{Scalar, Sum};
 use super::equations::QuantityLabel;
@@ -22,8 +21,7 @@ pub(super) struct MotionSlope {
 }
 
 impl ReducedMotion<'_, '_, '_> {
-    /// The changes of the rows of loops that determine joints, in the order of
-    /// pivots.
+    /// Changes of the rows of loops that determine joints, by pivots.
     pub(super) fn loop_rates(&mut self, options: &Options) -> Result<LoopRates, GenerateError> {
         let ReducedMotion {
             reduction,
@@ -54,8 +52,7 @@ impl ReducedMotion<'_, '_, '_> {
         Ok(rates)
     }
 
-    /// The changes of the motion by the positions and by the velocities of joints
-    /// that do not depend on others.
+    /// Changes of the motion by positions and velocities of independent joints.
     pub(super) fn changes(
         &mut self,
         rates: &LoopRates,

@@ -1,6 +1,5 @@
-//! Rows of loops as they change: the first and the second derivative of their
-//! Jacobian `J` by time, and the derivative of the forces `J^T lambda` by
-//! positions.
+//! Rows of loops as they change: first and second derivatives of their Jacobian
+//! `J` by time, and of the forces `J^T lambda` by positions.
 //!
 //! A turn of the bodies beyond joint i about its axis `s_i` turns the columns of
 //! the joints beyond it, so that for the force `F` of a ball
@@ -32,14 +31,12 @@ pub(super) struct LoopRates {
     pub(super) first: Vec<JointRow>,
     /// Its second derivative.
     pub(super) second: Vec<JointRow>,
-    /// The derivatives of `J^T lambda` (rows) by positions (columns); several
-    /// entries of a place are to be added.
+    /// Derivatives of `J^T lambda` by positions; entries of a place add up.
     pub(super) stiffness: Vec<JointEntry>,
 }
 
 impl LoopRates {
-    /// Writes the changes for accelerations of all joints and for a multiplier of
-    /// each row.
+    /// Writes changes for all accelerations and for a multiplier of each row.
     pub(super) fn new(
         equations: &mut Equations,
         parameters: &ModelParameters<'_>,
@@ -163,8 +160,7 @@ impl CutRates<'_, '_, '_> {
         self.stretched(multiplier);
     }
 
-    /// The forces on joints as bodies beyond others turn, for a force and a torque
-    /// on the first end.
+    /// Forces on joints as bodies beyond others turn, for a wrench on one end.
     fn turned(&mut self, [force, torque]: &[Vector; 2]) {
         for side in 0..2 {
             for place in 0..self.columns[side].len() {

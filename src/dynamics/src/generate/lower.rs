@@ -13,13 +13,11 @@ use robovec_ir::{
 };
 use robovec_robotran::conventions::{INPUT_ORDER, least_extent};
 
-/// The parameters of Robotran's functions, in their order; other outputs follow
-/// in order of appearance.
+/// Parameters of Robotran's functions, in their order; others come after.
 const OUTPUT_ORDER: [&str; 11] = [
     "M", "c", "Qq", "h", "Jac", "Jdqd", "frc", "trq", "Flink", "Z", "Zd",
 ];
 
-/// The extents of arrays.
 pub(super) struct Extents {
     pub(super) joints: u32,
     /// The columns of `dpt`: the largest number of a point that is used.
@@ -58,7 +56,6 @@ pub(super) fn points(equations: &Equations) -> u32 {
         .fold(0, u32::max)
 }
 
-/// Appends the function to the module.
 pub(super) fn lower(
     equations: &Equations,
     extents: &Extents,
@@ -105,8 +102,7 @@ pub(super) fn lower(
     module.functions.push(writer.function);
 }
 
-/// Number of operations that the outputs need, as written: signs in front not
-/// counted.
+/// Number of operations that the outputs need, leading signs not counted.
 pub(super) fn operations(equations: &Equations) -> usize {
     let needed = needed(equations);
     let mut groups: Vec<usize> = Vec::with_capacity(equations.groups.len());
@@ -183,8 +179,7 @@ fn mark(sum: &Sum, needed: &mut [bool], pending: &mut Vec<u32>) {
     }
 }
 
-/// Declares the arrays with elements that are read; returns the flattened input
-/// of every atom that is one.
+/// Declares the arrays that are read; returns each atom's flattened input.
 fn declare_inputs(
     equations: &Equations,
     extents: &Extents,
@@ -226,8 +221,7 @@ fn declare_inputs(
     equations.atoms.iter().map(element).collect()
 }
 
-/// Declares the output arrays; gives them in the order of
-/// [`Equations::results`].
+/// Declares the output arrays, in the order of [`Equations::results`].
 fn declare_outputs(
     equations: &Equations,
     extents: &Extents,
@@ -347,8 +341,7 @@ impl FunctionWriter<'_> {
             .into()
     }
 
-    /// A sum, from left to right. Groups nest as deep as a formulation writes
-    /// parentheses, which is a small constant.
+    /// A sum, from left to right; groups nest as deep as formulations write.
     fn sum(&mut self, sum: &Sum) -> Operand {
         let mut total = Operand::NONE;
         for term in &sum.terms {

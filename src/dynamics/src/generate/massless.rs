@@ -13,9 +13,8 @@
 //!
 //! have the same solution `x`. So the joints are further rows beside those of
 //! the user, with `-1/s` on the diagonal of the matrix of multipliers. That
-//! matrix is quasi-definite: eliminated in the order of its rows, those of the
-//! user first, it needs no pivots. `s` has no effect but on rounding, and is
-//! near the other masses.
+//! matrix is quasi-definite: in the order of its rows, the user's first, it
+//! needs no pivots. `s` affects rounding alone, and is near the other masses.
 
 use super::roles::{JointRoles, compiled, constraints};
 use super::{Formulation, GenerateError, GenerationRequest, Options};
@@ -28,9 +27,8 @@ use robovec_robotran::FunctionKind;
 const STATES: usize = 3;
 const SEED: u64 = 1;
 
-/// Pivots, in parts of the entry that they are left of, that count as zero and
-/// as weak. A joint with a weak one may do without its mass where there are rows
-/// enough.
+/// Pivots, in parts of their entry, that count as zero and as weak. A joint
+/// with a weak one may do without its mass where there are rows enough.
 const ZERO: f64 = 1e-12;
 const WEAK: f64 = 1e-6;
 
@@ -46,13 +44,11 @@ pub(super) struct MasslessJoint {
     pub(super) inertia: f64,
 }
 
-/// The joints, from 0, whose accelerations only rows of the user determine,
-/// ascending.
+/// Joints, from 0, whose accelerations only user rows determine, ascending.
 ///
 /// # Errors
 ///
-/// [`GenerateError::Singular`] where there are more of them than rows, and
-/// loops that cannot be closed.
+/// [`GenerateError::Singular`] with more of them than rows, or open loops.
 pub fn massless(model: &Model, options: &Options) -> Result<Vec<usize>, GenerateError> {
     let roles = JointRoles::of_loops(model)?;
     let found = massless_joints(model, &roles, options)?;
@@ -60,11 +56,7 @@ pub fn massless(model: &Model, options: &Options) -> Result<Vec<usize>, Generate
     Ok(joints.collect())
 }
 
-/// The joints that need rows of the user, ascending.
-///
-/// # Errors
-///
-/// [`GenerateError::Singular`] where there are more of them than rows.
+/// The joints that need rows of the user, ascending, if there are enough rows.
 pub(super) fn massless_joints(
     model: &Model,
     roles: &JointRoles,
@@ -140,8 +132,7 @@ fn masses(model: &Model, roles: &JointRoles) -> Result<Vec<DenseMatrix>, Generat
     Ok(states.iter().filter_map(reduced).collect())
 }
 
-/// A usual mass or inertia for each joint: the geometric mean of those of the
-/// joints of its kind.
+/// A usual mass or inertia for each joint: the geometric mean of its kind's.
 fn inertias(model: &Model, roles: &JointRoles, masses: &[DenseMatrix]) -> Vec<f64> {
     let revolute = |place: usize| model.joints[roles.free[place]].kind.is_revolute();
     let places = 0..roles.free.len();
@@ -165,8 +156,7 @@ fn inertias(model: &Model, roles: &JointRoles, masses: &[DenseMatrix]) -> Vec<f6
         .collect()
 }
 
-/// The joints that are left when a mass matrix is eliminated, the largest pivot
-/// first, until those left are below a limit.
+/// The joints left of an elimination by the largest pivots above a limit.
 fn without_mass(mut matrix: DenseMatrix, inertias: &[f64], limit: f64) -> Vec<usize> {
     let count = matrix.rows();
     assert_eq!(inertias.len(), count, "every joint has an inertia");

@@ -37,9 +37,7 @@ mod hub;
 mod inertia;
 mod jacobians;
 mod joint_arrays;
-mod linearised;
 mod link;
-mod loads;
 mod loop_motion;
 mod loop_rates;
 mod lower;
@@ -56,7 +54,6 @@ mod regressor;
 mod roles;
 mod sensitivity;
 mod sensor;
-mod turned_body;
 mod user_constraints;
 mod vector;
 
@@ -118,8 +115,7 @@ pub struct Options {
     /// Write sums as generator 8.1 does, a leading minus where the first term
     /// is negative; otherwise signs are moved to where they cost nothing.
     pub leading_signs: bool,
-    /// Multiply out lever arms and `OM x (I OM)`, as Robotran prints them,
-    /// instead of naming repeated parts.
+    /// Multiply out lever arms and `OM x (I OM)`, as Robotran prints them.
     pub expanded: bool,
     /// Use that `sin^2 + cos^2 = 1`. Without it the equations hold for any
     /// substitute of sine and cosine.
@@ -131,15 +127,13 @@ pub struct Options {
     /// with `M qdd + c = Qq + Jac^T Lambda`, those of the loops first; zero for
     /// redundant rows. And the forces `Qc` that move driven joints.
     pub multipliers: bool,
-    /// Number of rows of constraints that the user computes, in their own
-    /// inputs: their values `huserc`, their Jacobian `Juserc` by all joints,
-    /// and the velocity terms of their second derivative, `jdqduserc`. The same
-    /// number of joints that the model names dependent, besides those of the
-    /// loops, follow from them.
+    /// Number of constraint rows of the user, in their own inputs: values
+    /// `huserc`, Jacobian `Juserc` by all joints, and velocity terms of their
+    /// second derivative, `jdqduserc`. As many dependent joints, besides those
+    /// of the loops, follow from them.
     pub user_constraints: usize,
-    /// Give beside accelerations the factors `Growth` by which the elimination of
-    /// each row of the user, and then of each of [`massless`], enlarges
-    /// rounding.
+    /// Give also the factors `Growth` by which the elimination of each row of
+    /// the user, and then of each of [`massless`], enlarges rounding.
     pub growth: bool,
     /// Describe the free base of the model by the quaternion `quat` (`x y z w`, of
     /// length one), and by its velocity, acceleration and force along its own
@@ -196,8 +190,7 @@ impl GenerationRequest {
 /// those of a chain of 446 joints. Each takes some 70 operations.
 const PAIR_LIMIT: usize = 100_000;
 
-/// Refuses functions that grow with the pairs of a joint and its ancestors, for
-/// models that have too many.
+/// Refuses functions of too many pairs of a joint and an ancestor.
 fn within_limit(model: &Model, request: &GenerationRequest) -> Result<(), GenerateError> {
     let grows = match request.function {
         FunctionKind::Dirdyna | FunctionKind::Accelred => {
@@ -220,10 +213,6 @@ fn within_limit(model: &Model, request: &GenerationRequest) -> Result<(), Genera
 
 /// Generates a function of a model, at the equations level. Sensor functions
 /// come as one function for each sensor (`sensor_1`).
-///
-/// # Errors
-///
-/// See [`GenerateError`].
 pub fn generate(model: &Model, request: &GenerationRequest) -> Result<Module, GenerateError> {
     let mut module = Module::new();
     generate_into(&mut module, model, request)?;
@@ -302,10 +291,6 @@ pub fn refuse_empty(
 }
 
 /// Does as [`generate`], and adds the functions to a module.
-///
-/// # Errors
-///
-/// See [`GenerateError`].
 pub fn generate_into(
     module: &mut Module,
     model: &Model,
@@ -342,8 +327,7 @@ pub fn generate_into(
     Ok(())
 }
 
-/// Writes the equations of a function, or of one case of a function of sensors
-/// (from 0).
+/// Writes the equations of a function, or of one case of sensors (from 0).
 fn write(
     model: &Model,
     request: &GenerationRequest,
@@ -380,7 +364,7 @@ fn write(
         FunctionKind::AccelD => {
             AccelerationDerivatives::new(equations, parameters, request)?.output(equations);
         }
-        FunctionKind::Linear => linearised::write(equations, frames, parameters, request)?,
+        FunctionKind::Linear => sensitivity::write(equations, frames, parameters, request)?,
         FunctionKind::Minv => sensitivity::inverse(equations, parameters, options)?,
         FunctionKind::Regressor => regressor::write(equations, parameters, options),
         FunctionKind::Frame => named_frame::write(equations, parameters, case),
@@ -390,7 +374,6 @@ fn write(
     Ok(written)
 }
 
-/// A function without equations.
 fn head(
     model: &Model,
     request: &GenerationRequest,
@@ -411,7 +394,7 @@ fn head(
         metadata.push(("frame".to_owned(), model.frames[case].name.clone()));
     }
     if request.function == FunctionKind::Linear {
-        let state = linearised::state(model, request)?;
+        let state = sensitivity::state(model, request)?;
         metadata.push(("state".to_owned(), state));
     }
     let mut function = Function::new(&name, Level::Equations);

@@ -1,5 +1,4 @@
-//! Frames by name: pose, motion and Jacobian of the frame of a link, in the
-//! axes of the base.
+//! Frames by name: pose, motion and Jacobian of a link's frame, in base axes.
 //!
 //! | output | |
 //! |---|---|

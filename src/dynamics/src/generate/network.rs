@@ -5,8 +5,7 @@
 //! `log2 n` (Sklansky) with some `n/2 log2 n` combinations, in `2 log2 n`
 //! (Brent and Kung) with at most `2 n`, or one after another with `n`. The
 //! combined blocks of a path begin at multiples of a power of two, counted from
-//! the root. Such blocks depend on the ancestors alone, so all branches beyond
-//! a joint share the blocks before it.
+//! the root. They depend on ancestors alone, so branches share them.
 
 /// In which order values along a path are combined.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -29,8 +28,7 @@ impl PrefixNetwork {
     ];
 }
 
-/// Place of a combination: the block of the path that ends at a joint and
-/// begins at a depth. Depth 0 is the first joint of the path.
+/// Place of a combination: the block of a joint's path from a depth, from 0.
 #[derive(Clone, Copy)]
 pub(super) struct PathBlock {
     pub(super) joint: usize,
@@ -159,9 +157,8 @@ impl JointPaths<'_> {
 /// Sums of values over the joints beyond every joint, itself included. The tree
 /// is cut into chains, each as long as it can be; along a chain the network
 /// adds, and where a chain ends on another its whole sum is added to the value
-/// there. There are no subtractions. `add` gets the joint whose sum (or part of
-/// a sum: the block reaches from the joint `start` places towards the leaf) it
-/// makes, and the terms to be added.
+/// there. There are no subtractions. `add` gets the joint of the sum (or part:
+/// a block of `start` places towards the leaf), and the terms to be added.
 pub(super) fn subtrees<T: Copy>(
     network: PrefixNetwork,
     parents: &[Option<usize>],
@@ -213,9 +210,8 @@ pub(super) fn subtrees<T: Copy>(
     sums
 }
 
-/// Chains from the root towards the leaves that cover the tree, in the order
-/// of their first joints. Each continues with the child that has the longest
-/// path beyond it.
+/// Chains from root to leaves that cover the tree, in the order of their first
+/// joints. Each continues with the child of the longest path.
 fn chains(parents: &[Option<usize>]) -> Vec<Vec<usize>> {
     let mut heights = vec![1; parents.len()];
     let mut next: Vec<Option<usize>> = vec![None; parents.len()];

@@ -1,9 +1,7 @@
-//! The symbols of a model: the names of its parameters and of its state in the
-//! equations.
+//! The symbols of a model: names of its parameters and state in equations.
 //!
-//! A parameter that the model gives as zero is a structural zero: it never
-//! appears, unless all parameter symbols are requested. A joint whose velocity
-//! has no symbol is at rest.
+//! A parameter of zero is a structural zero: it never appears, unless all
+//! symbols are requested. A joint whose velocity has no symbol is at rest.
 
 use super::algebra::{Scalar, Sum, given};
 use super::equations::{Equations, QuantityLabel};
@@ -32,21 +30,16 @@ pub(super) struct ModelParameters<'m> {
     pub(super) masses: Vec<Scalar>,
     /// Moments of inertia about the centre of mass.
     pub(super) inertias: Vec<Matrix>,
-    /// Joint positions.
     pub(super) q: Vec<Scalar>,
-    /// Joint velocities.
     pub(super) qd: Vec<Scalar>,
-    /// Accelerations of joints whose `qdd` is zero: those of a free base that a
-    /// quaternion describes. Joints beyond the list have none.
+    /// Accelerations of joints whose `qdd` is zero, of a free base; else none.
     pub(super) resting: Vec<Scalar>,
     /// External force on each body at its centre of mass, in its frame.
     pub(super) forces: Vec<Vector>,
     /// External torque on each body, in its frame.
     pub(super) torques: Vec<Vector>,
-    /// The rotation of each joint.
     pub(super) turns: Vec<AxisRotation>,
-    /// Inertias that joints move, instead of masses, centres and inertias;
-    /// `None` where these are used.
+    /// Inertias that joints move, in place of masses, centres and inertias.
     pub(super) grouped: Option<Vec<OriginInertia>>,
 }
 
@@ -59,8 +52,7 @@ pub(super) struct OriginInertia {
     pub(super) second: Matrix,
 }
 
-/// The parameters that a function is made of. With numbers they may be moved
-/// from body to body, save where a regressor asks for each.
+/// The parameters of a function, moved from body to body where they may be.
 pub(super) fn of<'m>(
     frames: &'m ModelFrames<'m>,
     request: &GenerationRequest,
@@ -156,8 +148,7 @@ impl<'m> ModelParameters<'m> {
         }
     }
 
-    /// The same with inertias as numbers, as much as possible moved to the
-    /// bodies before (see [`super::grouping`]).
+    /// The same with inertias as numbers (see [`super::grouping`]).
     pub(super) fn grouped(
         frames: &'m ModelFrames<'m>,
         options: &Options,
@@ -206,8 +197,7 @@ impl<'m> ModelParameters<'m> {
         self.model.joints[joint].kind.is_revolute()
     }
 
-    /// From the origin of the parent to the origin of the joint, in the
-    /// parent's frame: the attachment and the joint's own translation.
+    /// From the parent's origin to the joint's, in the parent's frame.
     pub(super) fn offset(&self, joint: usize) -> SumVector {
         let mut offset = sums();
         add_vector(&mut offset, &self.attachments[joint]);
@@ -217,13 +207,11 @@ impl<'m> ModelParameters<'m> {
         offset
     }
 
-    /// The offset with a name for each sum (`Dz`).
     pub(super) fn named_offset(&self, equations: &mut Equations, joint: usize) -> Vector {
         let label = |component| QuantityLabel::new("Dz", 0, 10 * (joint + 1) + component);
         define_as(equations, label, self.offset(joint))
     }
 
-    /// The named offsets of all joints.
     pub(super) fn named_offsets(&self, equations: &mut Equations) -> Vec<Vector> {
         (0..self.joints())
             .map(|joint| self.named_offset(equations, joint))
@@ -282,8 +270,7 @@ struct Properties {
 }
 
 impl Properties {
-    /// Those of the body of a joint. A fictitious body has none, unless all
-    /// symbols are requested: then it has zeros.
+    /// Those of the body of a joint; zeros or none of a fictitious one.
     fn of(model: &Model, joint: usize, all: bool) -> Option<Properties> {
         match model.body_of(joint) {
             Some(body) => Some(Properties {
@@ -326,13 +313,11 @@ impl ParameterSource<'_> {
         })
     }
 
-    /// Properties that a joint moves; `None` for a fictitious body without
-    /// symbols.
+    /// Properties that a joint moves; `None` for a fictitious body's.
     fn moved(&self, model: &Model, joint: usize) -> Option<Properties> {
         Properties::of(model, joint, self.options.all_parameters)
     }
 
-    /// The mass that a joint moves.
     fn mass(&mut self, model: &Model, joint: usize) -> Scalar {
         self.moved(model, joint).map_or(Scalar::ZERO, |body| {
             self.parameter("m", &[joint + 1], body.mass)
@@ -360,8 +345,7 @@ impl ParameterSource<'_> {
         })
     }
 
-    /// The external force or torque, by the name of its array, on the body of a
-    /// joint.
+    /// The external force or torque, by its array's name, on a joint's body.
     fn load(&mut self, model: &Model, name: &str, joint: usize) -> Vector {
         if self.options.external_forces && self.moved(model, joint).is_some() {
             [1, 2, 3].map(|k| self.equations.input(name, &[k, joint + 1]))
@@ -371,8 +355,7 @@ impl ParameterSource<'_> {
     }
 }
 
-/// The rotation of a joint by its position; the sine and the cosine get names,
-/// unless the angle is small.
+/// The rotation of a joint by its position; sine and cosine of large angles.
 fn turn(
     model: &Model,
     equations: &mut Equations,

@@ -26,9 +26,9 @@ use super::composite::{MassAndBias, carry};
 use super::equations::{Equations, QuantityLabel};
 use super::hub::{MomentOrigin, Pose, Twist, hubs, turned};
 use super::inertia::{SumInertia, Wrench};
+use super::inertia::{euler, turned_moments};
 use super::network::{PathBlock, PrefixNetwork, paths, subtrees};
 use super::parameters::ModelParameters;
-use super::turned_body::{euler, turned_moments};
 use super::vector::{
     Inertia, Matrix, SumVector, Vector, ZERO, add_cross, add_matrix_product, add_vector, define,
     sums,
@@ -159,8 +159,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         }
     }
 
-    /// The parents of the joints that networks combine; joints of stems and
-    /// hubs have none.
+    /// Parents of the joints that networks combine; stems and hubs have none.
     fn forest(&self) -> Vec<Option<usize>> {
         (0..self.behind.len())
             .map(|joint| {
@@ -375,8 +374,7 @@ impl<'e, 'p, 'm> Prefix<'e, 'p, 'm> {
         motions
     }
 
-    /// The acceleration that the lever of a joint, and its translation, add to
-    /// that of its parent, which moves with `velocity` and `tilde`.
+    /// Acceleration that a joint's lever and translation add to its parent's.
     fn step(
         &mut self,
         joint: usize,

@@ -1,10 +1,8 @@
-//! Forces that constraints and drives exert: multipliers, and forces of driven
-//! joints.
+//! Forces of constraints and drives: multipliers, and forces of driven joints.
 //!
 //! With accelerations known, `M qdd + c = Qq + Qc + J^T lambda` holds joint by
-//! joint. Those of dependent joints give the multipliers of the loops,
-//! `Jv^T lambda = Mv qdd + c_v - Qq_v`, and those of driven joints the forces
-//! `Qc` that move them as prescribed.
+//! joint. Dependent joints give the multipliers of the loops, `Jv^T lambda = Mv
+//! qdd + c_v - Qq_v`, driven joints the forces `Qc` that move them.
 
 use super::GenerateError;
 use super::algebra::{Scalar, Sum};
@@ -22,8 +20,7 @@ use robovec_model::Nature;
 pub(super) struct ForceBalance {
     /// `c` of all joints.
     pub(super) bias: Vec<Scalar>,
-    /// `Qq - c` of joints that are not driven, minus the forces for given
-    /// accelerations.
+    /// `Qq - c` of joints not driven, minus forces for given accelerations.
     pub(super) forces: Vec<Scalar>,
     /// `qdd` of all joints.
     pub(super) accelerations: Vec<Scalar>,

@@ -1,5 +1,4 @@
-//! The recursive Newton-Euler family that Robotran prints: `M` and `c`, or
-//! `Qq`, in body frames.
+//! Robotran's recursive Newton-Euler family: `M` and `c`, or `Qq`, by bodies.
 //!
 //! Forward from the base: angular velocity `OM`, angular acceleration without
 //! joint accelerations `OA`, `BE = ~OA + ~OM ~OM`, acceleration of the frame
@@ -138,8 +137,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         recursion
     }
 
-    /// Velocities and accelerations from the base to the leaves; without
-    /// joint accelerations when the list is empty.
+    /// Velocities and accelerations from base to leaves, perhaps without `qdd`.
     pub(super) fn forward(&mut self, accelerations: &[Scalar]) {
         for joint in 0..self.parameters.joints() {
             let acceleration = given(accelerations, joint);
@@ -249,8 +247,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         tilde
     }
 
-    /// Forces and torques from the leaves to the base; the joints' own
-    /// components.
+    /// Forces and torques from leaves to base; the joints' own components.
     pub(super) fn backward(&mut self) -> Vec<Scalar> {
         let loads = self.loads();
         let each = loads.iter().enumerate();
@@ -316,8 +313,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
             component.subtract(&[external]);
         }
         if let Some(grouped) = &parameters.grouped {
-            // `h x AF + J OA + OM x (J OM)`, and the moment of what acts at the
-            // centre.
+            // `h x AF + J OA + OM x (J OM)`, and the moment of central loads.
             let own = &grouped[joint].inertia;
             let (center, external) = (&parameters.centers[joint], &parameters.forces[joint]);
             add_cross(&mut torque, center, external, true);
@@ -334,8 +330,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         torque
     }
 
-    /// `I OA + OM x (I OM)` with all products multiplied out, as Robotran
-    /// prints it.
+    /// `I OA + OM x (I OM)` multiplied out, as Robotran prints it.
     fn add_expanded_rotation(&mut self, torque: &mut SumVector, joint: usize) {
         let velocity = &self.velocities[joint];
         let inertia = &self.parameters.inertias[joint];
@@ -380,8 +375,7 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         }
     }
 
-    /// Load of a joint: its own and that of its children, turned into its
-    /// frame, with the lever arms multiplied out.
+    /// Load of a joint: its own and its children's, levers multiplied out.
     pub(super) fn collect(
         &mut self,
         joint: usize,
@@ -430,7 +424,6 @@ impl<'e, 'p, 'm> Recursion<'e, 'p, 'm> {
         define(self.equations, name, joint, column, first)
     }
 
-    /// The component of a load along a joint's axis.
     pub(super) fn component(&self, joint: usize, load: &JointLoad) -> Scalar {
         let axis = self.parameters.axis(joint);
         if self.parameters.is_revolute(joint) {

@@ -43,9 +43,8 @@ pub(super) struct ReducedMotion<'e, 'p, 'm> {
 }
 
 impl<'e, 'p, 'm> ReducedMotion<'e, 'p, 'm> {
-    /// Solves for the accelerations of all joints, in roles at a state of the
-    /// model. `massless` are joints whose accelerations only rows of the user
-    /// determine.
+    /// Solves for all accelerations, in roles at a state of the model.
+    /// `massless` are joints with accelerations by rows of the user alone.
     pub(super) fn new(
         equations: &'e mut Equations,
         parameters: &'p ModelParameters<'m>,

@@ -1,5 +1,4 @@
-//! The reduction of accelerations to those of independent joints
-//! ([`super::reduced`] has the equations).
+//! The reduction of accelerations to independent joints ([`super::reduced`]).
 
 use super::algebra::{Scalar, Sum};
 use super::blocks::solve_blocks;
@@ -21,8 +20,7 @@ pub(super) struct CoordinateReduction<'e, 'p, 'm> {
     pub(super) given: Vec<Scalar>,
 }
 
-/// Dependent accelerations: `B` by rows (columns count independent joints) and
-/// `b`.
+/// Dependent accelerations: `B` by rows (a column per independent), and `b`.
 pub(super) struct DependentAccelerations {
     /// The rows of the loops, in the order of pivots.
     pub(super) rows: Vec<ConstraintRow>,
@@ -130,8 +128,7 @@ impl CoordinateReduction<'_, '_, '_> {
         })
     }
 
-    /// The solution of `Jv X = right` for rows of the loops and the joints that
-    /// follow from them, both in the order of pivots.
+    /// The solution of `Jv X = right` for loops and their joints, by pivots.
     pub(super) fn solve_loops(
         &mut self,
         names: [&'static str; 5],
@@ -246,7 +243,6 @@ impl CoordinateReduction<'_, '_, '_> {
         ReducedSystem { rows, right, inner }
     }
 
-    /// The accelerations of all joints.
     pub(super) fn accelerations(
         &mut self,
         partition: &JointRoles,

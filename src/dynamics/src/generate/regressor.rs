@@ -1,5 +1,4 @@
-//! The regressor: the forces of inverse dynamics as a linear function of the
-//! inertias of bodies.
+//! The regressor: forces of inverse dynamics, linear in inertias of bodies.
 //!
 //! `Qq = Y(q, qd, qdd) p` without external forces, where `p` holds ten numbers
 //! for each joint: of the body it moves the mass, the first moment `m l` and
@@ -68,8 +67,7 @@ pub(super) fn write(
     }
 }
 
-/// The force and the torque that the numbers of a body take, one after the
-/// other, in its frame.
+/// Force and torque that each number of a body takes, in its frame.
 fn wrenches(recursion: &mut Recursion<'_, '_, '_>, joint: usize) -> Vec<Wrench> {
     let motion = recursion.motions[joint];
     let tilde = recursion.tildes[joint];

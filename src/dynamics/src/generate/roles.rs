@@ -11,7 +11,6 @@ use robovec_ir::{Format, Module};
 use robovec_model::{Model, Nature};
 use robovec_robotran::FunctionKind;
 
-/// The roles of joints and rows.
 pub(super) struct JointRoles {
     /// Joints that neither the loops determine nor the user drives, ascending.
     pub(super) free: Vec<usize>,
@@ -72,7 +71,6 @@ impl JointRoles {
         self.dependent.contains(&joint) || self.bound.contains(&joint)
     }
 
-    /// The roles without constraints.
     pub(super) fn open(model: &Model) -> JointRoles {
         let free = |joint: &usize| model.joints[*joint].nature != Nature::Driven;
         JointRoles {
@@ -107,8 +105,7 @@ impl JointRoles {
 pub(super) struct ReactionRoles {
     /// Joints with an actuator, ascending.
     pub(super) actuated: Vec<usize>,
-    /// Of the others that are not driven, those whose forces give the
-    /// multipliers of the loops, in the order of pivots.
+    /// Joints whose forces give the loops' multipliers, in the order of pivots.
     pub(super) of_loops: Vec<usize>,
     pub(super) rows: Vec<usize>,
     /// Those available for the multipliers of the user's constraints.
@@ -116,8 +113,7 @@ pub(super) struct ReactionRoles {
 }
 
 impl ReactionRoles {
-    /// Decides the points of forces, at the closed initial state; frames are
-    /// those of the roles.
+    /// Decides the points of forces, at the closed initial state, by frames.
     pub(super) fn new(
         frames: &ModelFrames<'_>,
         roles: &JointRoles,
@@ -168,8 +164,7 @@ impl ReactionRoles {
     }
 }
 
-/// The roles of joints at the closed initial state, by the loops, and their
-/// Jacobian there.
+/// Roles of joints at the closed initial state, and the loops' Jacobian there.
 fn closed_loops(model: &Model) -> Result<(Partition, DenseMatrix), GenerateError> {
     let failed = |error: StateError| GenerateError::Loops(error.to_string());
     let constraints = &constraints(model)?;
@@ -191,10 +186,6 @@ fn at_rest(model: &Model) -> MotionState {
 }
 
 /// The constraints of a model, in binary64; without cuts it has none.
-///
-/// # Errors
-///
-/// Fails when they cannot be generated.
 pub fn constraints(model: &Model) -> Result<LoopConstraints, GenerateError> {
     if model.cuts.is_empty() {
         return Ok(LoopConstraints::none(model, Format::BINARY64));
@@ -220,34 +211,20 @@ pub(super) fn compiled(
         .map_err(|error| GenerateError::Loops(error.to_string()))
 }
 
-/// The independent joints, from 0, ascending: the accelerations of all others
-/// follow from theirs.
-///
-/// # Errors
-///
-/// See [`generate`].
+/// Independent joints, from 0, ascending, from which all others follow.
 pub fn independent_joints(model: &Model, options: &Options) -> Result<Vec<usize>, GenerateError> {
     Ok(JointRoles::new(model, options)?.independent())
 }
 
 /// The rows of the constraints, from 0, that repeat others.
-///
-/// # Errors
-///
-/// See [`generate`].
 pub fn redundant_rows(model: &Model) -> Result<Vec<usize>, GenerateError> {
     let kept = JointRoles::of_loops(model)?.rows;
     let rows = 0..cuts_of_rows(model)?.len();
     Ok(rows.filter(|row| !kept.contains(row)).collect())
 }
 
-/// The cut, from 0, of each row of the constraints. The equations leave out
-/// rows that no joint changes; the number that a cut keeps is known when it is
-/// alone.
-///
-/// # Errors
-///
-/// See [`generate`].
+/// The cut, from 0, of each row of the constraints. Equations leave out rows
+/// that no joint changes; what a cut keeps is known when it is alone.
 pub fn cuts_of_rows(model: &Model) -> Result<Vec<usize>, GenerateError> {
     let mut alone = model.clone();
     let mut cuts = Vec::new();

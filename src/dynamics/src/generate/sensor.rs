@@ -1,6 +1,5 @@
-//! Sensors: position, rotation, velocities, accelerations and Jacobian of a
-//! point, all in the base frame, the rotation matrix with the axes of the body
-//! as its rows.
+//! Sensors: position, rotation (the axes of the body as rows), velocities,
+//! accelerations and Jacobian of a point, all in the base frame.
 
 use super::Options;
 use super::algebra::Scalar;
@@ -10,7 +9,6 @@ use super::parameters::{ModelParameters, ParameterSource};
 use super::vector::{Vector, ZERO};
 use robovec_model::{Asks, Model, Sensor};
 
-/// The names of the output arrays of a sensor.
 pub(super) struct SensorNames {
     position: String,
     rotation: String,
@@ -85,8 +83,7 @@ pub(super) fn chain(
     Chain::new(equations, parameters, names, &path, &place)
 }
 
-/// Writes one sensor of the model (number from 0). As in Robotran, the points
-/// of external forces follow the sensors.
+/// Writes one sensor (from 0); points of external forces follow sensors.
 pub(super) fn sensor(
     equations: &mut Equations,
     parameters: &ModelParameters<'_>,

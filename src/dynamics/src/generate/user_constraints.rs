@@ -4,8 +4,7 @@
 //! their structure: any joint may appear in any row, and no order of pivots is
 //! known to be a good one. They are therefore solved without pivoting: the
 //! multipliers of accelerations have a symmetric positive definite matrix, and
-//! dependent joints are found from the equations for a solution of least length
-//! ([`solve_unknown`]).
+//! dependent joints follow from a solution of least length ([`solve_unknown`]).
 //!
 //! With the joints of loops eliminated, `x_v = rest + B x`, a row
 //! `A x + A_v x_v + a = 0` becomes `(A + A_v B) x + (a + A_v rest) = 0`.
@@ -51,9 +50,8 @@ pub(super) struct ReducedRows {
 }
 
 impl ReducedRows {
-    /// Eliminates the joints of loops from rows. `columns` are the joints of
-    /// `x`; `given` is the part of a row that depends neither on them nor on
-    /// the joints of loops.
+    /// Eliminates the joints of loops from rows. `columns`: joints of `x`;
+    /// `given`: part of a row that depends on neither.
     pub(super) fn new(
         equations: &mut Equations,
         names: [&'static str; 2],
@@ -90,8 +88,7 @@ impl ReducedRows {
     }
 }
 
-/// The rows in accelerations, those of the loops eliminated; then the rows of
-/// joints without mass ([`super::massless`]).
+/// The rows in accelerations: the user's, then those of [`super::massless`].
 pub(super) struct BoundAccelerations {
     pub(super) rows: Vec<ConstraintRow>,
     pub(super) reduced: ReducedRows,
@@ -100,7 +97,6 @@ pub(super) struct BoundAccelerations {
 }
 
 impl BoundAccelerations {
-    /// The rows of the user.
     pub(super) fn of_user(rows: Vec<ConstraintRow>, reduced: ReducedRows) -> BoundAccelerations {
         BoundAccelerations {
             rows,
@@ -109,8 +105,7 @@ impl BoundAccelerations {
         }
     }
 
-    /// Adds the rows of joints without mass, and their inertia to the mass
-    /// matrix, the rows of whose lower triangle are given.
+    /// Adds the rows of massless joints, and their inertia to the mass matrix.
     pub(super) fn add_massless(
         &mut self,
         equations: &mut Equations,
@@ -128,11 +123,10 @@ impl BoundAccelerations {
         }
     }
 
-    /// The multipliers of the rows, from accelerations without them and from
-    /// the effect of each row's own column on accelerations. With `growth`,
-    /// writes for every row the factor by which its elimination enlarges
-    /// rounding: the entry on the diagonal, or what is added to it, over the
-    /// pivot.
+    /// The multipliers of the rows, from accelerations without them and the
+    /// effect of each row's column on accelerations. With `growth`, writes for
+    /// every row the factor by which its elimination enlarges rounding: the
+    /// entry on the diagonal, or what is added to it, over the pivot.
     pub(super) fn multipliers(
         &self,
         equations: &mut Equations,
@@ -295,8 +289,7 @@ fn add_diagonal(
     row.insert(place, (number, diagonal));
 }
 
-/// Solves with a definite or quasi-definite matrix, in the order of its rows;
-/// gives the solution and the inverses of the pivots.
+/// Solves with a quasi-definite matrix, in its order; also inverse pivots.
 pub(super) fn solve_positive(
     equations: &mut Equations,
     names: [&'static str; 5],

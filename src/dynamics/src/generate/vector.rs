@@ -1,5 +1,4 @@
-//! Vectors and matrices of scalars in joint frames, and the rotations between
-//! them.
+//! Vectors and matrices of scalars in joint frames, and rotations between them.
 //!
 //! The frame of a joint and of its parent differ by one rotation about one
 //! axis. With `(a, b, c)` cyclic and `a` the axis, a vector `v` of the parent's
@@ -15,7 +14,6 @@ pub(super) type Matrix = [Vector; 3];
 /// A vector that is not named yet.
 pub(super) type SumVector = [Sum; 3];
 
-/// The vector without components.
 pub(super) const ZERO: Vector = [Scalar::ZERO; 3];
 
 /// The inertia of a set of bodies about the origin of a frame and in its axes.
@@ -76,7 +74,6 @@ impl AxisRotation {
     }
 }
 
-/// Names the components of a vector.
 pub(super) fn define(
     equations: &mut Equations,
     prefix: &'static str,
@@ -136,7 +133,6 @@ pub(super) fn add_vector(sum: &mut SumVector, vector: &Vector) {
     }
 }
 
-/// Adds a vector that is not named yet.
 pub(super) fn add_sums(sum: &mut SumVector, other: &SumVector) {
     for (component, more) in sum.iter_mut().zip(other) {
         component.add_sum(more);
@@ -151,12 +147,10 @@ pub(super) fn subtracted(mut one: SumVector, other: &SumVector) -> SumVector {
     one
 }
 
-/// An empty vector to add to.
 pub(super) fn sums() -> SumVector {
     [Sum::new(), Sum::new(), Sum::new()]
 }
 
-/// The vector as sums of one term.
 pub(super) fn sums_of(vector: &Vector) -> SumVector {
     vector.map(Sum::of)
 }
