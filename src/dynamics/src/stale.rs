@@ -10,10 +10,9 @@
 //! comparison of used parameters show why.
 
 mod explain;
-mod inputs;
 
+pub use self::explain::zero;
 use self::explain::{reasons, superfluous};
-pub use self::inputs::zero;
 use crate::generate::{GenerationRequest, Options, generate};
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
@@ -142,8 +141,7 @@ fn identity(model: &Model, function: &Function, comparison: &mut Comparison) {
 /// An element of an array: name and indices from 1, absent ones 0.
 type ArrayElement = (String, [u32; 2]);
 
-/// The input elements that a function uses, each with the place of its first
-/// use.
+/// The input elements a function uses, each with the place of its first use.
 fn used(tables: &Tables, function: &Function) -> BTreeMap<ArrayElement, Option<SourcePlace>> {
     let mut used = BTreeMap::new();
     let operands = function.nodes().iter().flat_map(|node| {
@@ -184,8 +182,7 @@ fn extent(model: &Model, array: &str) -> Option<(&'static str, usize)> {
     })
 }
 
-/// False, with a finding, when the function uses an element that the model does
-/// not have.
+/// False, with a finding, when the function uses an element the model lacks.
 fn in_range(
     model: &Model,
     equations: &Module,
@@ -279,8 +276,7 @@ fn body(model: &Model, equations: &Module, function: &Function, comparison: &mut
     }
 }
 
-/// The first output that differs from that of the expected function; both with
-/// the model's zeros filled in.
+/// The first output unlike the expected one, both with the model's zeros.
 fn difference(
     model: &Model,
     equations: &Module,

@@ -16,7 +16,7 @@ use super::units::Units;
 use super::{ProgramTreatment, StressError};
 use robovec_dynamics::generate::cuts_of_rows;
 use robovec_dynamics::kinematics::MotionState;
-use robovec_dynamics::motion::runge_kutta::{IntegratedState, TimeStep, change_work};
+use robovec_dynamics::motion::integrate::{IntegratedState, TimeStep, change_work};
 use robovec_ir::Format;
 use robovec_ir::cost::OperationWork;
 use robovec_model::Model;

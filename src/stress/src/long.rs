@@ -7,7 +7,7 @@ use super::numbers::{Wide, Work, WorkingPrecision};
 use super::{ProgramTreatment, StressError};
 use robovec_dynamics::generate::{Formulation, GenerationRequest, generate};
 use robovec_dynamics::kinematics::MotionState;
-use robovec_dynamics::motion::runge_kutta::{TimeStep, change_work};
+use robovec_dynamics::motion::integrate::{TimeStep, change_work};
 use robovec_dynamics::motion::{Calculus, Drift, FreeMotion, Stepping};
 use robovec_ir::Format;
 use robovec_ir::cost::OperationWork;

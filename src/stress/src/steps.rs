@@ -11,7 +11,7 @@ use super::numbers::{Wide, Work, WorkingPrecision};
 use super::program::{largest, shared, text_program};
 use super::treatment::PASSES;
 use super::{ProgramTreatment, StressError};
-use robovec_dynamics::motion::runge_kutta::{IntegratedState, TimeStep, change_work};
+use robovec_dynamics::motion::integrate::{IntegratedState, TimeStep, change_work};
 use robovec_ir::cost::function_cost;
 use robovec_ir::evaluate::{evaluate, evaluate_mixed};
 use robovec_ir::{Format, Function, Module};

@@ -1,5 +1,4 @@
-//! The model description of an FMU (FMI 3.0, section 2.4), and that of its build
-//! (section 2.5.1.4.1).
+//! The model and build descriptions of an FMU (FMI 3.0, 2.4 and 2.5.1.4.1).
 
 use super::FmuPlan;
 use super::variables::{FmuVariable, FmuVariables, VariableRole};
@@ -27,7 +26,6 @@ const UNITS: [(&str, [i8; 4]); 16] = [
     ("1", [0, 0, 0, 0]),
 ];
 
-/// `modelDescription.xml`.
 pub(super) fn description(
     plan: &FmuPlan,
     variables: &FmuVariables<'_>,
@@ -87,7 +85,6 @@ fn add(text: &mut String, line: &str) {
     text.push('\n');
 }
 
-/// The attributes of a variable.
 fn attributes(slot: usize, variable: &FmuVariable) -> String {
     let start = format!("start=\"{:?}\"", variable.start);
     let (kind, start) = match variable.role {
@@ -159,7 +156,6 @@ fn structure(text: &mut String, plan: &FmuPlan, variables: &FmuVariables<'_>) {
     }
 }
 
-/// `sources/buildDescription.xml`.
 pub(super) fn build_description(identifier: &str) -> String {
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\

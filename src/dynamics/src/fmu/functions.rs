@@ -1,5 +1,4 @@
-//! Generated functions of an FMU: from and to places of the array of variables,
-//! with their derivatives along a direction.
+//! Generated functions of an FMU: from and to variables, with derivatives.
 
 use super::variables::{FmuVariables, NumberPlace, VariableRole};
 use crate::generate::{Formulation, GenerationRequest, Options, generate};
@@ -77,7 +76,6 @@ const PARTS: [StepPart; 7] = [
     },
 ];
 
-/// A function of the C.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct FmuFunction {
     /// Place among the kinds.
@@ -148,7 +146,6 @@ fn generated(
     Ok(generate(model, &request)?)
 }
 
-/// Adds one of the functions of a module, and its derivative along a direction.
 fn add(
     functions: &mut Vec<FmuFunction>,
     variables: &mut FmuVariables<'_>,
@@ -216,8 +213,7 @@ impl StepPart {
     }
 }
 
-/// The passes that give the derivative along all inputs that move; `None` where
-/// none does.
+/// The passes that derive along all inputs that move; `None` where none does.
 fn directions(module: &Module) -> Option<String> {
     let moves = |name: &str| {
         matches!(name, "q" | "qd" | "qdd" | "Qq" | "frc" | "trq")
@@ -243,8 +239,7 @@ fn run(module: &mut Module, passes: &str) -> Result<(), MotionError> {
     Ok(())
 }
 
-/// The function with one vector of inputs, those that are parameters last, and
-/// outputs for the places `to`, as C.
+/// The function with one vector of inputs, parameters last, as C.
 fn flat(
     module: &mut Module,
     variables: &mut FmuVariables<'_>,

@@ -1,5 +1,4 @@
-//! Laws of forces as parameters of an FMU. Their order is that of the constants
-//! at the head of `laws.c`.
+//! Laws of forces as parameters of an FMU, in the order of `laws.c`.
 
 use super::variables::{AXES, FmuVariables, VariableRole, quoted};
 use crate::motion::{

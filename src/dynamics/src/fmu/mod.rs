@@ -1,5 +1,4 @@
-//! FMUs of FMI 3.0: a model with its laws as a unit that simulation tools import,
-//! for model exchange and co-simulation.
+//! FMUs of FMI 3.0: a model with laws, for model exchange and co-simulation.
 //!
 //! It computes as `sim --whole-step`: an evaluation moves driven joints, closes
 //! the loops with `loop_positions` and `loop_velocities`, computes forces by the
@@ -10,9 +9,8 @@
 //!
 //! Sensors and named frames are outputs that are computed when they are read.
 //!
-//! All numbers of variables are in one array, whose places are the value
-//! references; a generated function has a table of the places of its inputs and
-//! results.
+//! All variables are in one array, whose places are the value references; a
+//! generated function has a table of the places of inputs and results.
 
 mod description;
 mod functions;
@@ -45,7 +43,6 @@ struct FmuPlan {
     /// Joints from 0, ascending.
     independent: Vec<usize>,
     dependent: Vec<usize>,
-    /// The cut of each row of the constraints.
     row_cuts: Vec<usize>,
     /// Signs of the lengths of links.
     link_signs: Vec<f64>,
@@ -63,10 +60,6 @@ struct WatchedSlot {
 
 impl Fmu {
     /// Makes the FMU of a model with its laws.
-    ///
-    /// # Errors
-    ///
-    /// See [`MotionError`].
     pub fn new(model: &Model, laws: &Laws, formulation: Formulation) -> Result<Fmu, MotionError> {
         let setting = EquationSetting {
             formulation,

@@ -1,5 +1,4 @@
-//! The C of an FMU: generated functions, tables about the model, and the files
-//! of C beside this one.
+//! The C of an FMU: generated functions, tables, and the C files beside this.
 
 use super::functions::{FmuFunction, KINDS};
 use super::variables::{FmuVariables, NumberPlace};
@@ -70,7 +69,6 @@ pub(super) fn source(
     text
 }
 
-/// Tables about variables and laws.
 fn tables(text: &mut String, plan: &FmuPlan, variables: &FmuVariables<'_>) {
     let list = &variables.list;
     let roles = list

@@ -1,5 +1,4 @@
-//! Variables of an FMU: one number each, at a place in the array of the C that is
-//! also its value reference.
+//! Variables of an FMU: numbers, whose places in C are the value references.
 //!
 //! Names are those of the model: `q.JOINT`, `force.FORCE.x`, `m.BODY`; names
 //! that are no identifiers are quoted (FMI 3.0, section 2.4.7.5.1).
@@ -47,7 +46,6 @@ impl VariableRole {
     }
 }
 
-/// A variable.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct FmuVariable {
     /// Name in the model description; empty if hidden.
@@ -66,7 +64,6 @@ pub(super) struct NumberPlace {
     pub(super) along: bool,
 }
 
-/// All variables of an FMU.
 pub(super) struct FmuVariables<'m> {
     pub(super) model: &'m Model,
     pub(super) list: Vec<FmuVariable>,
@@ -83,9 +80,8 @@ pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl<'m> FmuVariables<'m> {
     /// The variables before those of laws and parameters. `independent` are the
-    /// joints whose motion is the state, `prescribed` the driven joints that a
-    /// law moves, all from 0 and ascending; `start` are positions, `rows` the
-    /// number of constraints.
+    /// joints of the state, `prescribed` driven ones with a law, from 0,
+    /// ascending; `start` are positions, `rows` counts constraints.
     pub(super) fn new(
         model: &'m Model,
         independent: &[usize],
@@ -236,12 +232,10 @@ impl<'m> FmuVariables<'m> {
         }
     }
 
-    /// Starts a block of variables.
     fn begin(&mut self, block: &'static str) {
         self.blocks.push((block, self.list.len() as u32));
     }
 
-    /// First place of a block.
     pub(super) fn block(&self, name: &str) -> u32 {
         let mut blocks = self.blocks.iter();
         let found = blocks.find(|(block, _)| *block == name);
@@ -365,8 +359,7 @@ impl<'m> FmuVariables<'m> {
         }
     }
 
-    /// Place of a parameter of the model. Both entries of a symmetric matrix
-    /// share one.
+    /// Place of a parameter; both entries of a symmetric matrix share one.
     fn parameter(&mut self, array: &str, indices: &[u32], number: f64) -> u32 {
         let model = self.model;
         let joint = |index: u32| {

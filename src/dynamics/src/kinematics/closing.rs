@@ -1,7 +1,8 @@
 //! Closing loops: positions and velocities of dependent joints.
 
 use super::linear::{DenseMatrix, column, dot, largest, solve_positive, solve_square};
-use super::{LoopConstraints, MotionState, Partition, StateError};
+use super::{CompiledFunction, MotionState, Partition, StateError};
+use robovec_ir::Format;
 use robovec_model::{CutKind, Model, Nature};
 
 /// Newton steps before giving up; from a predicted position three suffice.
@@ -9,8 +10,7 @@ const NEWTON_STEPS: u32 = 25;
 /// Steps of the search for a closed position.
 const ASSEMBLY_STEPS: usize = 200;
 
-/// Ends of the rounds of Newton's method, in the numbers that residuals are
-/// evaluated in.
+/// Ends of Newton's rounds, in the numbers that residuals are evaluated in.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ClosingLimits {
     /// A residual that the arithmetic cannot make smaller.
@@ -23,8 +23,7 @@ pub struct ClosingLimits {
 }
 
 impl ClosingLimits {
-    /// Before the first round; `epsilon` is the relative distance of
-    /// neighbours of the numbers.
+    /// Before the first round; `epsilon`: relative distance of neighbours.
     pub fn new(epsilon: f64) -> ClosingLimits {
         ClosingLimits {
             tight: 8.0 * epsilon,
@@ -39,8 +38,7 @@ impl ClosingLimits {
         self.rounds
     }
 
-    /// Verdict on the largest residual of a round: closed, or not yet; `None`
-    /// when there is no hope left.
+    /// Verdict on the largest residual of a round: closed, not yet, or never.
     pub fn look(&mut self, gap: f64) -> Option<bool> {
         self.rounds += 1;
         let stalled = gap >= 0.5 * self.before && gap <= self.loose;
@@ -68,8 +66,7 @@ impl LoopClosure<'_> {
     /// [`StateError::OpenLoop`] and [`StateError::NotFinite`].
     pub fn start(&self, state: &mut MotionState) -> Result<Partition, StateError> {
         if self.constraints.rows() > 0 {
-            // Where the joints that the model calls dependent cannot close the
-            // loops, all move.
+            // Where the joints called dependent close no loops, all move.
             let start = state.clone();
             if self.assemble(state, &[Nature::Dependent]).is_err() {
                 *state = start;
@@ -85,7 +82,9 @@ impl LoopClosure<'_> {
     /// Divides the joints into independent and dependent ones.
     pub fn divide(&self, state: &MotionState) -> Partition {
         let jacobian = self.constraints.evaluate(state).1;
-        Partition::new(self.model, &jacobian, self.rank_threshold())
+        // A pivot below this fraction of the largest one counts as zero.
+        let threshold = self.constraints.epsilon().sqrt();
+        Partition::new(self.model, &jacobian, threshold)
     }
 
     /// A residual that still counts as closed.
@@ -93,13 +92,7 @@ impl LoopClosure<'_> {
         ClosingLimits::new(self.constraints.epsilon()).loose
     }
 
-    /// The fraction of the largest pivot that counts as zero in the Jacobian.
-    fn rank_threshold(&self) -> f64 {
-        self.constraints.epsilon().sqrt()
-    }
-
-    /// Moves the dependent joints until the loops are closed, and gives them
-    /// consistent velocities.
+    /// Moves dependent joints until loops close, with consistent velocities.
     ///
     /// # Errors
     ///
@@ -108,12 +101,7 @@ impl LoopClosure<'_> {
         self.close_in_rounds(state, partition).map(|_| ())
     }
 
-    /// Does as [`LoopClosure::close`]; the evaluations of the constraints that
-    /// it took.
-    ///
-    /// # Errors
-    ///
-    /// As in that state.
+    /// As [`LoopClosure::close`]; the evaluations of constraints that it took.
     pub fn close_in_rounds(
         &self,
         state: &mut MotionState,
@@ -127,8 +115,7 @@ impl LoopClosure<'_> {
         Ok(rounds)
     }
 
-    /// Gives the dependent joints the velocities that keep the loops closed;
-    /// the Jacobian is that of the state.
+    /// Gives dependent joints the velocities that keep loops closed.
     fn close_velocities(
         &self,
         state: &mut MotionState,
@@ -174,8 +161,7 @@ impl LoopClosure<'_> {
         }
     }
 
-    /// One round of Newton's method; false where the dependent joints do not
-    /// determine the loops.
+    /// One round of Newton's method; false where loops are not determined.
     fn newton(
         &self,
         state: &mut MotionState,
@@ -199,14 +185,12 @@ impl LoopClosure<'_> {
         true
     }
 
-    /// The state with the dependent joints moved by one iteration of Newton's
-    /// method, and with the velocities that the loops require at their present
-    /// positions: the target of stabilisation.
+    /// The target of stabilisation: dependent joints moved by one iteration of
+    /// Newton's method, with the velocities that loops require at present.
     ///
     /// # Errors
     ///
-    /// [`StateError::OpenLoop`] where the dependent joints do not determine
-    /// the loops.
+    /// [`StateError::OpenLoop`] where dependent joints determine no loops.
     pub fn nearest(
         &self,
         state: &MotionState,
@@ -223,9 +207,8 @@ impl LoopClosure<'_> {
         Ok(near)
     }
 
-    /// Moves the joints of some natures, as little as possible, until the
-    /// loops are closed: steps of least squares (Levenberg's method). Unlike
-    /// Newton's it does not mind equal rows.
+    /// Moves the joints of some natures, as little as possible, until the loops
+    /// are closed: steps of least squares (Levenberg), with equal rows, too.
     fn assemble(&self, state: &mut MotionState, natures: &[Nature]) -> Result<(), StateError> {
         let movable: Vec<usize> = (0..self.model.joints.len())
             .filter(|&joint| natures.contains(&self.model.joints[joint].nature))
@@ -312,6 +295,83 @@ impl LoopClosure<'_> {
             gap,
             rod,
             time: state.time,
+        }
+    }
+}
+
+/// The constraints `h` of a model's loops and their Jacobian.
+pub struct LoopConstraints {
+    joints: usize,
+    format: Format,
+    /// The function `cons_hJ`; `None` for a model without cuts.
+    position: Option<CompiledFunction>,
+    row_cuts: Vec<usize>,
+}
+
+impl LoopConstraints {
+    /// The constraints of a model without cuts, in the numbers of a format.
+    pub fn none(model: &Model, format: Format) -> LoopConstraints {
+        LoopConstraints {
+            joints: model.joints.len(),
+            format,
+            position: None,
+            row_cuts: Vec::new(),
+        }
+    }
+
+    /// The constraints that the function `cons_hJ` gives in the numbers of a
+    /// format, and the cut, from 0, of each of its rows.
+    pub fn new(
+        model: &Model,
+        format: Format,
+        position: CompiledFunction,
+        row_cuts: Vec<usize>,
+    ) -> LoopConstraints {
+        LoopConstraints {
+            joints: model.joints.len(),
+            format,
+            position: Some(position),
+            row_cuts,
+        }
+    }
+
+    /// The number of rows.
+    pub fn rows(&self) -> usize {
+        self.row_cuts.len()
+    }
+
+    /// The cut of a row, from 0.
+    pub fn cut_of(&self, row: usize) -> usize {
+        self.row_cuts[row]
+    }
+
+    /// Relative distance of neighbouring numbers: twice the unit roundoff.
+    pub fn epsilon(&self) -> f64 {
+        2.0 * self.format.unit_roundoff()
+    }
+
+    /// The residual `h` and the Jacobian `Jac`.
+    pub fn evaluate(&self, state: &MotionState) -> (Vec<f64>, DenseMatrix) {
+        match &self.position {
+            None => (Vec::new(), DenseMatrix::zeros(0, self.joints)),
+            Some(compiled) => {
+                let outputs = compiled.evaluate(state);
+                (
+                    outputs.vector("h", self.rows()),
+                    outputs.matrix("Jac", self.rows(), self.joints),
+                )
+            }
+        }
+    }
+
+    /// The derivative of the Jacobian along a direction.
+    pub fn jacobian_along(&self, state: &MotionState, direction: &MotionState) -> DenseMatrix {
+        match &self.position {
+            None => DenseMatrix::zeros(0, self.joints),
+            Some(compiled) => {
+                let outputs = compiled.evaluate_along(state, direction);
+                outputs.matrix("Jac", self.rows(), self.joints)
+            }
         }
     }
 }

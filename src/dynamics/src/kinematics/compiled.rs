@@ -81,8 +81,7 @@ impl CompiledFunction {
         self.outputs_of(numbers)
     }
 
-    /// The derivatives of the outputs in a state along a direction, in
-    /// binary64: exact except for rounding.
+    /// Derivatives of the outputs along a direction, in binary64.
     pub fn evaluate_along(
         &self,
         state: &MotionState,
@@ -141,8 +140,7 @@ impl CompiledFunction {
 }
 
 impl EvaluatedOutputs<'_> {
-    /// An array; empty where the function does not have it, as all its elements
-    /// are zero.
+    /// An array; empty where the function lacks it, as its elements are zero.
     fn array(&self, name: &str) -> (Shape, &[f64]) {
         let found = self.compiled.outputs.iter().find(|array| array.0 == name);
         match found {
@@ -190,8 +188,7 @@ impl EvaluatedOutputs<'_> {
         true
     }
 
-    /// Takes over the entries of an array of rows and columns that the function
-    /// sets.
+    /// Takes over the entries of a matrix that the function sets.
     pub fn take_entries(&self, name: &str, matrix: &mut DenseMatrix) {
         let mut outputs = self.compiled.outputs.iter();
         let Some(&(_, first, Shape::Matrix(_, columns))) = outputs.find(|array| array.0 == name)

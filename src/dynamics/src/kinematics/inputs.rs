@@ -1,11 +1,11 @@
-//! Sources of the inputs of equations: parameters from the model, the rest from
-//! a state.
+//! Sources of the inputs of equations: the model's parameters, then a state.
 
+use super::LoopClosure;
 use robovec_ir::{Input, View};
-use robovec_model::{CutKind, Joint, Model};
+use robovec_model::{CutKind, Joint, Model, Nature};
+use robovec_num::random::Random;
 
-/// Inputs of a model's equations besides its parameters. Joints, links and
-/// forces are counted from 0.
+/// Inputs of a model's equations besides parameters, counted from 0.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MotionState {
     /// Time, s.
@@ -93,8 +93,7 @@ impl InputSources {
         InputSources::with_numbers(model, view, |_, _| None)
     }
 
-    /// Does as [`InputSources::new`], with numbers from the user for elements
-    /// that the model does not have.
+    /// As [`InputSources::new`], with numbers of the user that the model lacks.
     ///
     /// # Errors
     ///
@@ -137,8 +136,7 @@ impl InputSources {
 }
 
 impl InputSources {
-    /// The derivatives of the inputs along a direction, whose numbers are those
-    /// of the state's; `None` for parameters.
+    /// Derivatives of the inputs along a direction; `None` for parameters.
     pub fn gather_along(&self, direction: &MotionState) -> Vec<Option<f64>> {
         let numbers = self.gather(direction).into_iter().zip(&self.sources);
         let moves = |(number, source): (f64, &InputSource)| {
@@ -235,4 +233,46 @@ fn moved(model: &Model, joint: usize) -> (f64, [f64; 3], [f64; 9]) {
         Some(body) => (body.mass, body.center, body.inertia_matrix()),
         None => (0.0, [0.0; 3], [0.0; 9]),
     }
+}
+
+/// Maximum distance of drawn joints from their start, m or rad.
+const REACH: f64 = 0.2;
+
+/// Maximum number of times a state is drawn again, ever nearer to the start.
+const ATTEMPTS: i32 = 20;
+
+/// Random states around the closed initial one, with random forces. Positions
+/// of joints are drawn near their start, and the loops closed again. Empty
+/// where the loops do not close; a state that is not found is left out.
+pub fn closed_states(loops: &LoopClosure<'_>, count: usize, seed: u64) -> Vec<MotionState> {
+    let mut start = MotionState::initial(loops.model);
+    let Ok(partition) = loops.start(&mut start) else {
+        return Vec::new();
+    };
+    let mut random = Random::new(seed);
+    let drawn = (0..count).filter_map(|_| {
+        (0..ATTEMPTS).find_map(|attempt| {
+            let reach = REACH * 0.5f64.powi(attempt);
+            let mut state = drawn(loops.model, &start, reach, &mut random);
+            loops.close(&mut state, &partition).ok().map(|()| state)
+        })
+    });
+    drawn.collect()
+}
+
+/// A state around another one: positions within `reach`, all else within one.
+fn drawn(model: &Model, start: &MotionState, reach: f64, random: &mut Random) -> MotionState {
+    let mut state = start.clone();
+    for (joint, description) in model.joints.iter().enumerate() {
+        // Dependent joints only start to be closed from here.
+        if description.nature != Nature::Dependent {
+            state.q[joint] += reach * random.signed();
+            state.qd[joint] = random.signed();
+            state.qdd[joint] = random.signed();
+        }
+        state.joint_forces[joint] = random.signed();
+        state.frc[joint] = [(); 3].map(|()| random.signed());
+        state.trq[joint] = [(); 3].map(|()| random.signed());
+    }
+    state
 }

@@ -3,8 +3,7 @@
 use super::linear::{DenseMatrix, Pivot, determinant_sign, eliminate};
 use robovec_model::{Model, Nature};
 
-/// A pivot smaller than this fraction of that of another choice of dependent
-/// joints is not trusted.
+/// A pivot below this fraction of another choice's is not trusted.
 const WEAK: f64 = 1e-3;
 
 /// The joints of a model by role, and the constraint rows that determine the

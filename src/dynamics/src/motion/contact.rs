@@ -1,13 +1,11 @@
-//! Contact of a point with a plane: a spring and a damper that push and never
-//! pull, and dry friction along the plane.
+//! Contact of a point with a plane: a pushing spring and damper, and friction.
 
 use super::energy::{CartesianVector, dot};
 use super::varied::{Varied, VariedVector, inner};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::array::from_fn;
 
-/// The velocity around which friction turns over when a law does not specify it, m/s
-/// or rad/s.
+/// Velocity around which friction turns over by default, m/s or rad/s.
 pub const SLIP_VELOCITY: f64 = 0.01;
 
 /// The share of dry friction that acts at a velocity: with its sign, smooth,
@@ -22,7 +20,7 @@ pub(super) fn turning_velocity(slip: Option<f64>) -> f64 {
 }
 
 /// Contact of the point of an external force with a plane.
-#[derive(Clone, Copy, PartialEq, Debug, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
     /// A point of the plane, m.
@@ -35,8 +33,7 @@ pub struct Contact {
     pub damping: f64,
     /// The share of the pressure that acts against slip.
     pub friction: f64,
-    /// The velocity around which friction turns over, m/s; `None`:
-    /// [`SLIP_VELOCITY`].
+    /// Velocity around which friction turns over, m/s; else [`SLIP_VELOCITY`].
     pub slip: Option<f64>,
 }
 
@@ -106,8 +103,7 @@ impl Contact {
         0.5 * self.stiffness * way * way
     }
 
-    /// The force along the normal; `None` in the air, also where the point just
-    /// touches.
+    /// Force along the normal; `None` in the air, also where it just touches.
     pub(super) fn pressure(&self, [gap, rate]: [Varied; 2]) -> Option<ContactPressure> {
         if gap.value >= 0.0 {
             return None;
@@ -125,7 +121,6 @@ impl Contact {
         })
     }
 
-    /// The force on a point.
     pub(super) fn force(&self, place: VariedVector, velocity: VariedVector) -> GroundForce {
         let [gap, rate] = self.gap(place, velocity);
         let Some(pressure) = self.pressure([gap, rate]) else {

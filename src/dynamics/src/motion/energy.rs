@@ -1,5 +1,4 @@
-//! Energies, reckoned from the model by plain kinematics in the base frame
-//! and not from its equations.
+//! Energies, from plain kinematics in the base frame and not from equations.
 
 use super::varied::PointMotion;
 use crate::kinematics::MotionState;
@@ -109,7 +108,6 @@ fn frames(model: &Model, state: &MotionState) -> Vec<JointFrame> {
     frames
 }
 
-/// A frame turned about its own axis.
 fn turned(rotation: &Rotation, axis: Axis, angle: f64) -> Rotation {
     let (sine, cosine) = angle.sin_cos();
     let (b, c) = ((axis.index() + 1) % 3, (axis.index() + 2) % 3);
@@ -121,8 +119,7 @@ fn turned(rotation: &Rotation, axis: Axis, angle: f64) -> Rotation {
     })
 }
 
-/// Kinetic energy, and potential energy in gravity (zero where all centres of
-/// mass are at the base's origin), J.
+/// Kinetic energy, and potential energy in gravity from the base, J.
 pub(super) fn energies(model: &Model, state: &MotionState) -> (f64, f64) {
     let frames = frames(model, state);
     let rotors = model.joints.iter().zip(&state.qd);
@@ -143,8 +140,7 @@ pub(super) fn energies(model: &Model, state: &MotionState) -> (f64, f64) {
     (kinetic, potential)
 }
 
-/// Linear and angular momentum of all bodies, about the base's origin and in
-/// its frame, kg m/s and kg m^2/s.
+/// Linear and angular momentum about the base's origin, kg m/s, kg m^2/s.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Momenta {
     linear: CartesianVector,
@@ -193,7 +189,6 @@ pub(super) fn momenta(model: &Model, state: &MotionState) -> Momenta {
     sum
 }
 
-/// The lengths of all links.
 pub(super) fn lengths(model: &Model, state: &MotionState) -> Vec<f64> {
     let frames = frames(model, state);
     let lengths = model.links.iter().map(|link| {
@@ -207,7 +202,6 @@ pub(super) fn lengths(model: &Model, state: &MotionState) -> Vec<f64> {
     lengths.collect()
 }
 
-/// Motion of the points of all external forces.
 pub(super) fn point_motions(model: &Model, state: &MotionState) -> Vec<PointMotion> {
     let frames = frames(model, state);
     let motions = model.forces.iter().map(|force| {

@@ -1,5 +1,4 @@
-//! The equations of a model, evaluated: those of the generator, after passes,
-//! in the arithmetic of a target.
+//! The equations of a model, evaluated after passes, as on a target.
 
 use super::MotionError;
 use super::generated_loops::GeneratedLoops;
@@ -30,9 +29,8 @@ pub struct EquationSetting<'a> {
     pub accelerations: bool,
     /// Take the loops' positions and velocities and all accelerations from the
     /// generated functions of the whole step (`loop_positions`,
-    /// `loop_velocities`, `accelred`). The monitored quantities of the model
-    /// (residuals, the work of drives) then come from its generated equations,
-    /// in binary64.
+    /// `loop_velocities`, `accelred`). Monitored quantities (residuals, work of
+    /// drives) then come from generated equations, in binary64.
     pub whole_step: bool,
     /// A scene that the passes use in the equations of motion (`dirdyna`,
     /// `accelred`), and the options with which these are generated for it.
@@ -140,8 +138,7 @@ impl MotionEquations {
         })
     }
 
-    /// The relative distance of neighbours of the numbers the equations are
-    /// evaluated in: twice the unit roundoff.
+    /// Relative distance of neighbouring numbers: twice the unit roundoff.
     pub fn epsilon(&self) -> f64 {
         self.constraints.epsilon()
     }
@@ -183,8 +180,7 @@ impl MotionEquations {
         given.then_some(accelerations)
     }
 
-    /// `Jdqd`: the second derivative of the constraints without
-    /// accelerations.
+    /// `Jdqd`: second derivative of the constraints without accelerations.
     pub fn quadratic(&self, state: &MotionState) -> Vec<f64> {
         match &self.acceleration {
             None => Vec::new(),
@@ -288,8 +284,7 @@ impl MotionEquations {
         )
     }
 
-    /// Adds the derivatives of the forces of links to those of forces and
-    /// torques on bodies.
+    /// Adds the derivatives of link forces to those of loads on bodies.
     pub(super) fn add_links_along(&self, state: &MotionState, direction: &mut MotionState) {
         if let Some(compiled) = &self.links {
             let outputs = compiled.evaluate_along(state, direction);
@@ -297,8 +292,7 @@ impl MotionEquations {
         }
     }
 
-    /// Adds the derivatives of external forces to those of forces and torques
-    /// on bodies.
+    /// Adds the derivatives of external forces to those of loads on bodies.
     pub(super) fn add_forces_along(&self, state: &MotionState, direction: &mut MotionState) {
         if let Some(compiled) = &self.forces {
             let outputs = compiled.evaluate_along(state, direction);
@@ -307,7 +301,6 @@ impl MotionEquations {
     }
 }
 
-/// Motion of the points of external forces.
 fn point_motions(outputs: &EvaluatedOutputs<'_>, count: usize) -> Vec<PointMotion> {
     let motion = |number: usize| {
         let vector = |prefix: &str| {

@@ -31,13 +31,11 @@ const ROUNDS: u32 = 200;
 /// Maximum number of halvings of a step.
 const HALVINGS: u32 = 30;
 
-/// Pivots of the stiffness smaller than this, relative to the largest, are
-/// rounding: the coordinate has no stiffness.
+/// Pivots of the stiffness below this, relative to the largest, are rounding.
 const RANK: f64 = 1e-12;
 
 impl MultibodySystem<'_> {
-    /// The equilibrium near a state; the laws move nothing
-    /// ([`Laws::at_rest`](super::Laws::at_rest)).
+    /// The equilibrium near a state, nothing moved ([`super::Laws::at_rest`]).
     ///
     /// # Errors
     ///
@@ -84,8 +82,7 @@ impl MultibodySystem<'_> {
         })
     }
 
-    /// Takes a step, or the longest repeatedly halved step that decreases the
-    /// residual; false when none does.
+    /// Takes a step or the longest halved one that decreases the residual.
     fn advance(
         &mut self,
         here: &mut MotionState,
@@ -130,16 +127,14 @@ impl MultibodySystem<'_> {
     }
 }
 
-/// The longest step that may be left where no step leaves less over, m or rad,
-/// relative to the largest position.
+/// The longest step left where none is better, relative to positions.
 const NEAR: f64 = 1e-9;
 
 /// Factor between the possible rounding error of the largest component and the
 /// largest force that a coordinate without stiffness may have.
 const SLACK: f64 = 1e3;
 
-/// Rows of the residual by the size of their stiffness, so that metres and
-/// radians count alike.
+/// Rows of the residual by their stiffness, so that m and rad count alike.
 fn weights(motions: &SmallMotions) -> Vec<f64> {
     let row = |place: usize| largest(motions.stiffness.row(place));
     let most = (0..motions.joints.len()).map(row).fold(0.0, f64::max);
@@ -194,8 +189,7 @@ fn newton(motions: &SmallMotions, pivots: &[Pivot], numbers: &[f64]) -> Option<V
     Some(step)
 }
 
-/// Possible errors of coordinates when the error of each row is up to its
-/// bound.
+/// Possible errors of coordinates when each row errs up to its bound.
 fn uncertainty(motions: &SmallMotions, pivots: &[Pivot], bound: &[f64]) -> Vec<Option<f64>> {
     let mut errors: Vec<Option<f64>> = vec![None; motions.joints.len()];
     for pivot in pivots {

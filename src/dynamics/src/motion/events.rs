@@ -1,17 +1,15 @@
-//! Events of a run: quantities that pass a value, and contacts that open or
-//! close.
+//! Events of a run: quantities that pass a value, contacts that open or close.
 //!
 //! Signs at both ends of a step show that something was passed; where the rate
 //! of a quantity turns round between them, a cubic through values and rates
-//! shows whether the value was passed twice. The time is then found by steps
-//! of other lengths from the same start, so that it is as exact as the
-//! integrator.
+//! shows whether the value was passed twice. Steps of other lengths from the
+//! same start find the time as exactly as the integrator.
 
 use super::energy;
-use super::event_law::{EventDirection, EventLaw, EventQuantity};
 use super::laws::Laws;
 use crate::kinematics::MotionState;
 use robovec_model::Model;
+use serde::{Deserialize, Serialize};
 
 /// Default precision of the times of events, s.
 pub const EVENT_TOLERANCE: f64 = 1e-9;
@@ -27,8 +25,7 @@ pub struct EventRecord {
     pub rising: bool,
 }
 
-/// A monitored quantity of a run: an event, or a contact at which the step is
-/// cut.
+/// A monitored quantity of a run: an event, or a contact that cuts the step.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Watched {
     law: EventLaw,
@@ -38,8 +35,7 @@ struct Watched {
     above: Option<bool>,
 }
 
-/// A quantity less the value it may pass, and its rate where that is known
-/// without accelerations.
+/// A quantity less the value it may pass, and its rate, if known.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Signal {
     pub(super) value: f64,
@@ -77,7 +73,6 @@ impl EventWatch {
         }
     }
 
-    /// True when there are no events.
     pub(super) fn is_empty(&self) -> bool {
         self.watched.is_empty()
     }
@@ -110,8 +105,7 @@ impl EventWatch {
         self.watched.iter().map(signal).collect()
     }
 
-    /// Those whose side differs from their last one, in the requested
-    /// direction.
+    /// Those whose side changed, in the requested direction.
     pub(super) fn passed(&self, signals: &[Signal]) -> Vec<usize> {
         assert_eq!(
             signals.len(),
@@ -132,8 +126,7 @@ impl EventWatch {
         passed.map(|(place, _)| place).collect()
     }
 
-    /// Records the sides at a state the run has reached at `time`: the events
-    /// there, and whether the run ends.
+    /// Records the sides at a state at `time`: events, and if the run ends.
     pub(super) fn reach(&mut self, time: f64, signals: &[Signal]) -> ReachedEvents {
         let mut reached = ReachedEvents::default();
         for place in self.passed(signals) {
@@ -187,20 +180,17 @@ pub(super) struct ReachedEvents {
     pub(super) stop: bool,
 }
 
-/// The sign of a number as a side: true above zero, false below; `None`
-/// otherwise.
+/// The sign of a number: true above zero, false below; `None` otherwise.
 fn side(value: f64) -> Option<bool> {
     (value != 0.0).then_some(value > 0.0)
 }
 
-/// Place between 0 and 1 of the smallest value of the cubic with these values
-/// and slopes at the ends, and that value; it falls at 0 and rises at 1.
+/// Place in 0 to 1 of the least of a cubic, and that value; it falls first.
 fn least_of_cubic([from, to]: [f64; 2], [down, up]: [f64; 2]) -> (f64, f64) {
     let cubic = 2.0 * (from - to) + down + up;
     let square = 3.0 * (to - from) - 2.0 * down - up;
     let at = |x: f64| from + x * (down + x * (square + x * cubic));
-    // The slope is negative at 0 and positive at 1: its zero between them, in
-    // the form that does not cancel.
+    // The zero of the slope between 0 and 1, in the form that does not cancel.
     let root = (square * square - 3.0 * cubic * down).max(0.0).sqrt();
     let part = (-down / (square + root)).clamp(0.0, 1.0);
     (part, at(part))
@@ -227,8 +217,7 @@ impl EventBracket {
         }
     }
 
-    /// True when the time is known to `tolerance`, or as well as numbers can
-    /// show.
+    /// True when the time is known to `tolerance`, or as well as numbers can.
     pub(super) fn is_narrow(&self, tolerance: f64) -> bool {
         let middle = 0.5 * (self.from + self.to);
         self.to - self.from <= tolerance || middle <= self.from || middle >= self.to
@@ -252,6 +241,70 @@ impl EventBracket {
             aimed
         } else {
             middle
+        }
+    }
+}
+
+/// A quantity of a state that events are about.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EventQuantity {
+    /// The position of a joint, m or rad.
+    #[default]
+    Position,
+    /// The velocity of a joint, m/s or rad/s.
+    Velocity,
+    /// Height of a contact above its plane, m.
+    Gap,
+}
+
+impl EventQuantity {
+    /// Its word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventQuantity::Position => "position",
+            EventQuantity::Velocity => "velocity",
+            EventQuantity::Gap => "gap",
+        }
+    }
+}
+
+/// Direction in which a quantity must pass its value.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EventDirection {
+    /// In either direction.
+    #[default]
+    Both,
+    /// From below.
+    Rising,
+    /// From above.
+    Falling,
+}
+
+/// Event that a run watches for.
+#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EventLaw {
+    /// Watched quantity.
+    pub quantity: EventQuantity,
+    /// The index of the joint, or of the external force of the contact.
+    #[serde(skip)]
+    pub subject: usize,
+    /// The value it passes.
+    pub value: f64,
+    /// In which direction.
+    pub direction: EventDirection,
+    /// The run ends at the event.
+    pub stop: bool,
+}
+
+impl EventLaw {
+    /// The name of the joint or external force that it is about.
+    pub fn subject<'m>(&self, model: &'m Model) -> &'m str {
+        match self.quantity {
+            EventQuantity::Gap => &model.forces[self.subject].name,
+            EventQuantity::Position | EventQuantity::Velocity => &model.joints[self.subject].name,
         }
     }
 }

@@ -1,15 +1,13 @@
-//! Free motion of trees in one arithmetic: accelerations, steps and the
-//! integrator's state.
+//! Free motion of trees, all in one arithmetic, the integrator's state too.
 //!
 //! Elsewhere in this room only equations are evaluated in short numbers and the
 //! integrator keeps binary64. On a machine with one format for everything,
 //! every step adds a small change to a state of many digits: shorter steps are
-//! more numerous, and the total rounding error is larger. These functions make
-//! it visible.
+//! more, and the total rounding error is larger, as these functions show.
 
 use super::MotionError;
 use super::energy::{self, Momenta};
-use super::runge_kutta::{IntegratedState, TimeStep};
+use super::integrate::{IntegratedState, TimeStep};
 use crate::generate::{Formulation, GenerationRequest, Options, generate};
 use crate::kinematics::{InputSources, MotionState, StateError};
 use robovec_ir::evaluate::evaluate;
@@ -44,8 +42,7 @@ pub struct Stepping {
 /// Drift of a conserved quantity.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct Drift {
-    /// The largest change of the energy, relative to the largest kinetic
-    /// energy.
+    /// Largest change of the energy, relative to the largest kinetic energy.
     pub energy: f64,
     /// The largest change of linear or angular momentum about the base's
     /// origin, relative to the sum of the sizes over all bodies.
@@ -192,7 +189,6 @@ impl<A: Arithmetic, S: Arithmetic> FreeSlopes<'_, A, S> {
     }
 }
 
-/// Monitor of energies and momenta.
 struct EnergyMonitor<'m> {
     model: &'m Model,
     state: MotionState,

@@ -14,8 +14,7 @@ use robovec_model::{Model, Nature};
 /// Method that keeps loops closed in a run.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub enum LoopKeeping {
-    /// Positions and velocities of dependent joints are put onto the
-    /// constraints in every evaluation.
+    /// Dependent joints are put onto the constraints in every evaluation.
     #[default]
     Project,
     /// All joints are integrated, and accelerations of dependent joints pull
@@ -42,8 +41,7 @@ pub(super) struct GeneratedLoops {
 }
 
 impl GeneratedLoops {
-    /// The functions `loop_positions` and `loop_velocities` in numbers with
-    /// relative spacing `epsilon`.
+    /// `loop_positions` and `loop_velocities`, numbers with spacing `epsilon`.
     pub(super) fn new(
         [positions, velocities]: [CompiledFunction; 2],
         epsilon: f64,
@@ -83,11 +81,7 @@ impl GeneratedLoops {
         }
     }
 
-    /// Puts the dependent joints onto the constraints; the rounds it took.
-    ///
-    /// # Errors
-    ///
-    /// [`MotionError::DeadPoint`], and results that are not finite.
+    /// Puts dependent joints onto the constraints; the rounds, or a dead point.
     pub(super) fn close(
         &self,
         model: &Model,
@@ -116,8 +110,7 @@ impl GeneratedLoops {
         Ok(limits.rounds())
     }
 
-    /// The state with the dependent joints moved by one iteration, and with the
-    /// velocities that the loops require at their present positions.
+    /// The state with dependent joints moved by an iteration, and velocities.
     pub(super) fn nearest(&self, state: &MotionState) -> MotionState {
         let mut near = state.clone();
         self.set_velocities(&mut near);
@@ -131,8 +124,7 @@ impl GeneratedLoops {
         outputs.take_joints("qd", &mut state.qd);
     }
 
-    /// The error that names the joint which the loops determine least, and
-    /// its cut.
+    /// The error that names the joint least determined, and its cut.
     pub(super) fn dead_point(
         &self,
         model: &Model,

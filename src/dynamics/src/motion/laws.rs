@@ -1,7 +1,6 @@
 //! Laws of forces and driven motions, as a user gives them beside a model.
 //!
-//! A model contains no forces: its loads and driven motions, besides gravity,
-//! are in a small TOML file.
+//! A model contains no forces: loads and driven motions are in a TOML file.
 //!
 //! ```toml
 //! [[joint]]
@@ -74,12 +73,12 @@
 //! ```
 
 use super::contact::{Contact, GroundForce, friction_share, turning_velocity};
-use super::event_law::EventLaw;
+use super::events::EventLaw;
 use super::tyre::Tyre;
 use super::varied::{PointMotion, Varied};
 use robovec_model::Model;
 use robovec_num::limits::NumberLimit;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Numbers of laws, in SI units.
 pub(super) const LAW: NumberLimit = NumberLimit::real(
@@ -101,7 +100,6 @@ const SLIP: NumberLimit = NumberLimit::real(
     "friction that changes sign faster is a jump for an integrator",
 );
 
-/// Radii of wheels.
 const RADIUS: NumberLimit = NumberLimit::real(1e-6, 1e6, "a wheel has a rim, and rolls");
 /// Shape factors of the magic formula.
 const SHAPE: NumberLimit = NumberLimit::real(
@@ -144,15 +142,14 @@ pub const FIELDS: &[(&str, NumberLimit, &str)] = &[
 
 /// A linear spring and damper with a constant force. On a joint it acts
 /// against displacement and velocity; on a link it pulls the ends together.
-#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Spring {
     /// Force per displacement.
     pub stiffness: f64,
     /// Force per velocity.
     pub damping: f64,
-    /// Position, or length, without force of the spring; `None`: the initial
-    /// one.
+    /// Position or length without force of the spring; `None`: the initial one.
     pub neutral: Option<f64>,
     /// A constant force: in the direction of the joint, or as a pull.
     pub force: f64,
@@ -165,7 +162,7 @@ pub struct Spring {
 
 /// An external force on a point, along the axes of the base: constant, and
 /// springs and dampers between the point and a place, at rest or moving.
-#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Support {
     /// Support force, N.
@@ -176,11 +173,9 @@ pub struct Support {
     pub stiffness: [f64; 3],
     /// Force per velocity, N s/m.
     pub damping: [f64; 3],
-    /// Position at which the springs hold the point, m; `None`: its initial
-    /// position.
+    /// Position at which springs hold the point, m; `None`: the initial one.
     pub place: Option<[f64; 3]>,
-    /// Amplitude of the place's motion to both sides, m: a road, a rail, a
-    /// shaker.
+    /// Amplitude of the place's motion to each side, m: a road, rail or shaker.
     pub amplitude: [f64; 3],
     /// The angular frequency of its motion, rad/s.
     pub frequency: f64,
@@ -231,8 +226,7 @@ impl Support {
         self.contact.acts() || self.tyre.is_some()
     }
 
-    /// Height of the point, or of the lowest point of a wheel, above its plane,
-    /// m, and its rate, m/s.
+    /// Height of the point, or lowest point of a wheel, m, and its rate, m/s.
     pub(super) fn gap(&self, motion: &PointMotion<Varied>) -> [Varied; 2] {
         match &self.tyre {
             Some(tyre) => tyre.gap(motion),
@@ -270,7 +264,7 @@ impl Support {
 }
 
 /// The motion of a driven joint.
-#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Default, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Drive {
     /// Mean position; `None`: the initial one.
@@ -284,8 +278,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Position, velocity and acceleration at a time, around an initial
-    /// position.
+    /// Position, velocity and acceleration at a time, around the initial one.
     pub fn at(&self, time: f64, initial: f64) -> [f64; 3] {
         let (sine, cosine) = (self.frequency * time + self.phase).sin_cos();
         let (a, w) = (self.amplitude, self.frequency);
@@ -332,8 +325,7 @@ impl Laws {
         }
     }
 
-    /// The laws with all places and joints that they move fixed at their means,
-    /// as for an equilibrium.
+    /// The laws with all moved places and joints fixed at their means.
     pub fn at_rest(mut self) -> Laws {
         for law in &mut self.forces {
             law.amplitude = [0.0; 3];

@@ -1,5 +1,4 @@
-//! The equations of motion for small motions around a state, loops and laws
-//! included.
+//! Equations of motion for small motions around a state, with loops and laws.
 //!
 //! With the independent coordinates u, all positions `q(u)` close the loops,
 //! and `T = dq/du`. The residual of the equations is `T^T (M qdd + c - Q)`;
@@ -41,8 +40,7 @@ pub struct SmallMotions {
     pub rounding: Vec<f64>,
 }
 
-/// Part of a sum of terms of the size of one that may be rounding: evaluations
-/// have some dozens of operations in sequence.
+/// Part of a sum that may be rounding, after some dozens of operations.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Quantities that are the same for all directions.
@@ -56,14 +54,12 @@ struct LinearisedState<'s> {
 }
 
 impl MultibodySystem<'_> {
-    /// Small motions around a state whose loops are closed, at accelerations
-    /// `qdd` of the state, under laws that move nothing
-    /// ([`Laws::at_rest`](super::Laws::at_rest)).
+    /// Small motions around a state with closed loops, at accelerations `qdd`,
+    /// under laws that move nothing ([`Laws::at_rest`](super::Laws::at_rest)).
     ///
     /// # Errors
     ///
-    /// [`MotionError::State`] where something is not finite, or the dependent
-    /// joints are not determined.
+    /// [`MotionError::State`] where something is not finite or not determined.
     pub fn linearise(&self, state: &MotionState) -> Result<SmallMotions, MotionError> {
         let mut loaded = state.clone();
         self.load(&mut loaded);
@@ -140,8 +136,7 @@ impl MultibodySystem<'_> {
         })
     }
 
-    /// Sizes of the terms of the bias, by joint: weights, and forces that act
-    /// on bodies, which cancel each other in it.
+    /// Sizes of the terms of the bias, by joint: weights, and forces on bodies.
     fn bias_sizes(&self, bare: &MotionState) -> Vec<f64> {
         let mut unloaded = bare.clone();
         unloaded.links.fill(0.0);
@@ -208,8 +203,7 @@ impl MultibodySystem<'_> {
         Ok((0..rows.len()).map(|row| solution[(row, 0)]).collect())
     }
 
-    /// Change of positions and velocities of all joints with the position or
-    /// the velocity of an independent one.
+    /// Change of the motion of all joints with that of an independent one.
     fn direction(
         &self,
         around: &LinearisedState<'_>,
@@ -272,8 +266,7 @@ impl MultibodySystem<'_> {
         Ok(around.transform.transposed_times(&left))
     }
 
-    /// The derivatives of all forces along a direction, which is completed with
-    /// them.
+    /// Derivatives of all forces along a direction, which they complete.
     fn load_along(&self, around: &LinearisedState<'_>, direction: &mut MotionState) {
         let state = around.state;
         for (index, law) in self.laws.joints.iter().enumerate() {

@@ -1,12 +1,11 @@
 //! The modes of small motions: eigenvalues of `s^2 Mr + s D + K`.
 //!
-//! They are found as eigenvalues of the first-order system, in a unit of time
-//! that gives stiffness and mass the same size, and then refined in the
-//! quadratic problem: with right and left vectors x and y by inverse iteration,
-//! and Newton's step `y^H Q(s) x / y^H Q'(s) x`. The same quotient with the
-//! possible rounding error of `Q(s) x` as numerator is the error bound
-//! (Tisseur, "Backward error and condition of polynomial eigenvalue problems",
-//! 2000, theorem 5).
+//! They are eigenvalues of the first-order system, in a unit of time that gives
+//! stiffness and mass one size, then refined in the quadratic problem: with
+//! right and left vectors x and y by inverse iteration, and Newton's step `y^H
+//! Q(s) x / y^H Q'(s) x`. The same quotient with the possible rounding error of
+//! `Q(s) x` as numerator is the error bound (Tisseur, "Backward error and
+//! condition of polynomial eigenvalue problems", 2000, theorem 5).
 
 use super::MotionError;
 use super::linearise::SmallMotions;
@@ -49,16 +48,14 @@ const ROUNDS: usize = 100;
 /// Part of the sum of a row's terms that may be rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Steps of the refinement larger than this share of the eigenvalue are not
-/// taken: they belong to another one.
+/// Refinements larger than this share of an eigenvalue find another one.
 const TRUST: f64 = 1e-5;
 
 /// The modes of small motions, the slowest first.
 ///
 /// # Errors
 ///
-/// [`MotionError::Modes`] where the mass matrix is singular or an eigenvalue is
-/// not found.
+/// [`MotionError::Modes`] at a singular mass matrix or without eigenvalues.
 pub fn modes(motions: &SmallMotions) -> Result<Vec<Mode>, MotionError> {
     let count = motions.joints.len();
     if count == 0 {
@@ -167,8 +164,7 @@ impl QuadraticProblem {
         ROUNDING * total.norm()
     }
 
-    /// A unit vector in the approximate null space of a matrix, by inverse
-    /// iteration.
+    /// A unit vector near the null space of a matrix, by inverse iteration.
     fn null_vector(matrix: DMatrix<ComplexNumber>) -> DVector<ComplexNumber> {
         let count = matrix.nrows();
         let size = matrix.iter().fold(0.0, |most: f64, x| most.max(x.norm()));

@@ -1,8 +1,8 @@
-//! Laws from the text of a file.
+//! Laws from the text of a file, and as such text.
 
 use super::contact::Contact;
 use super::energy;
-use super::event_law::{EventLaw, EventQuantity};
+use super::events::{EventLaw, EventQuantity};
 use super::laws::{FIELDS, LAW, Laws, Support};
 use super::tyre::Tyre;
 use crate::kinematics::MotionState;
@@ -10,38 +10,28 @@ use robovec_ir::diagnostic::{Diagnostic, Label, clip, did_you_mean};
 use robovec_ir::document::{self, DocumentError};
 use robovec_model::{Model, Nature};
 use robovec_num::limits::Amount;
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use toml::Spanned;
+use serde::{Deserialize, Serialize};
+use toml::{Spanned, Table, Value};
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
 struct LawsFile {
-    joint: Vec<toml::Table>,
-    link: Vec<toml::Table>,
-    force: Vec<toml::Table>,
-    contact: Vec<toml::Table>,
-    tyre: Vec<toml::Table>,
-    event: Vec<toml::Table>,
-    driven: Vec<toml::Table>,
-}
-
-/// The same file once more, for the places of names.
-#[derive(Deserialize, Default)]
-#[serde(default)]
-struct LawNames {
-    joint: Vec<Named>,
-    link: Vec<Named>,
-    force: Vec<Named>,
-    contact: Vec<Named>,
-    tyre: Vec<Named>,
-    event: Vec<Named>,
-    driven: Vec<Named>,
+    joint: Vec<LawEntry>,
+    link: Vec<LawEntry>,
+    force: Vec<LawEntry>,
+    contact: Vec<LawEntry>,
+    tyre: Vec<LawEntry>,
+    event: Vec<LawEntry>,
+    driven: Vec<LawEntry>,
 }
 
 #[derive(Deserialize)]
-struct Named {
+#[serde(expecting = "a map")]
+struct LawEntry {
     name: Spanned<String>,
+    #[serde(flatten)]
+    law: toml::Table,
 }
 
 impl Laws {
@@ -51,11 +41,9 @@ impl Laws {
     ///
     /// Messages that point into the text (file 0): text that is no TOML or no
     /// law, a name that the model does not have or that occurs twice, a number
-    /// beyond its limit, a driven motion of a joint that is not driven or whose
-    /// equations contain no velocity.
+    /// beyond its limit, a driven motion of other joints or without velocity.
     pub fn parse(model: &Model, text: &str) -> Result<Laws, Vec<Diagnostic>> {
         let file: LawsFile = document::read(text).map_err(|error| vec![syntax(error)])?;
-        let names: LawNames = document::read(text).map_err(|error| vec![syntax(error)])?;
         let mut laws = Laws::of_model(model);
         let mut errors = Vec::new();
         let joints: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
@@ -64,30 +52,12 @@ impl Laws {
         let mut read = LawReader {
             errors: &mut errors,
         };
-        read.section(
-            "joint",
-            &file.joint,
-            &names.joint,
-            &joints,
-            &mut laws.joints,
-        );
-        read.section("link", &file.link, &names.link, &links, &mut laws.links);
-        read.section(
-            "external force",
-            &file.force,
-            &names.force,
-            &forces,
-            &mut laws.forces,
-        );
-        read.ground(model, &file, &names, &mut laws.forces);
-        laws.events = read.events(&file.event, &names.event, [&joints, &forces]);
-        let driven = read.section(
-            "joint",
-            &file.driven,
-            &names.driven,
-            &joints,
-            &mut laws.drives,
-        );
+        read.section("joint", &file.joint, &joints, &mut laws.joints);
+        read.section("link", &file.link, &links, &mut laws.links);
+        read.section("external force", &file.force, &forces, &mut laws.forces);
+        read.ground(model, &file, &mut laws.forces);
+        laws.events = read.events(&file.event, [&joints, &forces]);
+        let driven = read.section("joint", &file.driven, &joints, &mut laws.drives);
         for (joint, span) in driven {
             let joint = &model.joints[joint];
             let reason = if joint.nature != Nature::Driven {
@@ -111,16 +81,6 @@ impl Laws {
     }
 }
 
-/// Tests whether all numbers of a list are zero.
-fn is_zero(list: &[toml::Value]) -> bool {
-    let amount = |value: &toml::Value| {
-        value
-            .as_float()
-            .or(value.as_integer().map(|number| number as f64))
-    };
-    list.iter().all(|value| amount(value) == Some(0.0))
-}
-
 struct LawReader<'e> {
     errors: &'e mut Vec<Diagnostic>,
 }
@@ -128,21 +88,19 @@ struct LawReader<'e> {
 type NameRange = std::ops::Range<usize>;
 
 impl LawReader<'_> {
-    /// Reads the entries of a section into the laws of the named items; returns
-    /// the indices with their places in the text.
+    /// Reads the entries of a section into the laws of named items: places too.
     fn section<T: DeserializeOwned + Copy>(
         &mut self,
         what: &str,
-        entries: &[toml::Table],
-        names: &[Named],
+        entries: &[LawEntry],
         known: &[&str],
         laws: &mut [T],
     ) -> Vec<(usize, NameRange)> {
         let mut general = None;
         let mut found: Vec<(usize, NameRange)> = Vec::new();
-        for (entry, Named { name }) in entries.iter().zip(names) {
-            let span = name.span();
-            let Some(law) = self.entry::<T>(entry, &span) else {
+        for entry in entries {
+            let (name, span) = (&entry.name, entry.name.span());
+            let Some(law) = self.entry::<T>(entry) else {
                 continue;
             };
             if name.get_ref() == "*" {
@@ -171,21 +129,14 @@ impl LawReader<'_> {
         found
     }
 
-    /// The law of an entry, without its name.
-    fn entry<T: DeserializeOwned>(&mut self, entry: &toml::Table, span: &NameRange) -> Option<T> {
-        let mut entry = entry.clone();
-        entry.remove("name");
-        if let Some(reason) = refused(&entry) {
-            self.errors.push(wrong(span.clone(), &reason, None));
+    fn entry<T: DeserializeOwned>(&mut self, entry: &LawEntry) -> Option<T> {
+        let mut add = |reason: &str| self.errors.push(wrong(entry.name.span(), reason, None));
+        if let Some(reason) = refused(&entry.law) {
+            add(&reason);
         }
-        match entry.try_into() {
-            Ok(law) => Some(law),
-            Err(error) => {
-                let error: toml::de::Error = error;
-                self.errors.push(wrong(span.clone(), error.message(), None));
-                None
-            }
-        }
+        let law = entry.law.clone().try_into();
+        law.map_err(|error: toml::de::Error| add(error.message()))
+            .ok()
     }
 
     /// The place of a name among those that are known.
@@ -203,28 +154,23 @@ impl LawReader<'_> {
 
     /// Reads the contacts and tyres of external forces. An entry with a name
     /// has priority over `"*"` of the other kind.
-    fn ground(&mut self, model: &Model, file: &LawsFile, names: &LawNames, laws: &mut [Support]) {
+    fn ground(&mut self, model: &Model, file: &LawsFile, laws: &mut [Support]) {
         let forces: Vec<&str> = model.forces.iter().map(|f| f.name.as_str()).collect();
         let what = "external force";
         let mut contacts: Vec<Option<Contact>> = vec![None; forces.len()];
         let mut tyres: Vec<Option<Tyre>> = vec![None; forces.len()];
-        self.section(what, &file.contact, &names.contact, &forces, &mut contacts);
-        self.section(what, &file.tyre, &names.tyre, &forces, &mut tyres);
-        self.directions(
-            "normal",
-            "the normal of a plane",
-            &file.contact,
-            &names.contact,
-        );
-        self.directions("normal", "the normal of a plane", &file.tyre, &names.tyre);
-        self.directions("axis", "the axis of a wheel", &file.tyre, &names.tyre);
+        self.section(what, &file.contact, &forces, &mut contacts);
+        self.section(what, &file.tyre, &forces, &mut tyres);
+        self.directions("normal", "the normal of a plane", &file.contact);
+        self.directions("normal", "the normal of a plane", &file.tyre);
+        self.directions("axis", "the axis of a wheel", &file.tyre);
         if !self.errors.is_empty() {
             return;
         }
         for (index, law) in laws.iter_mut().enumerate() {
             let name = forces[index];
-            let named = [&names.contact, &names.tyre]
-                .map(|names| names.iter().any(|one| one.name.get_ref() == name));
+            let named = [&file.contact, &file.tyre]
+                .map(|entries| entries.iter().any(|one| one.name.get_ref() == name));
             let (mut contact, mut tyre) = (contacts[index], tyres[index]);
             if contact.is_some() && tyre.is_some() {
                 match named {
@@ -233,7 +179,7 @@ impl LawReader<'_> {
                     _ => {
                         let message = format!("'{}' has a contact already", clip(name));
                         let note = "a tyre includes the contact of its wheel".to_owned();
-                        let span = span_of(&names.tyre, name);
+                        let span = span_of(&file.tyre, name);
                         self.errors.push(wrong(span, &message, Some(note)));
                     }
                 }
@@ -241,22 +187,22 @@ impl LawReader<'_> {
             law.contact = contact.unwrap_or_default();
             law.tyre = tyre;
         }
-        self.upright(model, &names.tyre, laws);
+        self.upright(model, &file.tyre, laws);
     }
 
     /// Refuses directions of no length.
-    fn directions(&mut self, key: &str, what: &str, entries: &[toml::Table], names: &[Named]) {
-        for (entry, Named { name }) in entries.iter().zip(names) {
-            let direction = entry.get(key).and_then(toml::Value::as_array);
-            if direction.is_some_and(|direction| is_zero(direction)) {
+    fn directions(&mut self, key: &str, what: &str, entries: &[LawEntry]) {
+        for entry in entries {
+            let direction = entry.law.get(key);
+            if direction.is_some_and(|value| value.is_array() && is_zero(value)) {
                 let message = format!("{what} has a direction");
-                self.errors.push(wrong(name.span(), &message, None));
+                self.errors.push(wrong(entry.name.span(), &message, None));
             }
         }
     }
 
     /// Refuses tyres of wheels that lie flat at the initial positions.
-    fn upright(&mut self, model: &Model, names: &[Named], laws: &[Support]) {
+    fn upright(&mut self, model: &Model, entries: &[LawEntry], laws: &[Support]) {
         if laws.iter().all(|law| law.tyre.is_none()) {
             return;
         }
@@ -269,28 +215,23 @@ impl LawReader<'_> {
                     clip(name)
                 );
                 let note = "`axis` is in the frame of the body of the force".to_owned();
-                let span = span_of(names, name);
+                let span = span_of(entries, name);
                 self.errors.push(wrong(span, &message, Some(note)));
             }
         }
     }
 
     /// Reads events of joints and of external forces.
-    fn events(
-        &mut self,
-        entries: &[toml::Table],
-        names: &[Named],
-        [joints, forces]: [&[&str]; 2],
-    ) -> Vec<EventLaw> {
+    fn events(&mut self, entries: &[LawEntry], [joints, forces]: [&[&str]; 2]) -> Vec<EventLaw> {
         let mut events = Vec::new();
-        for (entry, Named { name }) in entries.iter().zip(names) {
-            let Some(mut event) = self.entry::<EventLaw>(entry, &name.span()) else {
+        for entry in entries {
+            let Some(mut event) = self.entry::<EventLaw>(entry) else {
                 continue;
             };
             let subject = match event.quantity {
-                EventQuantity::Gap => self.index("external force", name, forces),
+                EventQuantity::Gap => self.index("external force", &entry.name, forces),
                 EventQuantity::Position | EventQuantity::Velocity => {
-                    self.index("joint", name, joints)
+                    self.index("joint", &entry.name, joints)
                 }
             };
             if let Some(subject) = subject {
@@ -303,8 +244,8 @@ impl LawReader<'_> {
 }
 
 /// The place of the entry for a name: its own, or that of all.
-fn span_of(names: &[Named], name: &str) -> NameRange {
-    let entry = |wanted: &str| names.iter().find(|one| one.name.get_ref() == wanted);
+fn span_of(entries: &[LawEntry], name: &str) -> NameRange {
+    let entry = |wanted: &str| entries.iter().find(|one| one.name.get_ref() == wanted);
     let entry = entry(name).or_else(|| entry("*"));
     entry.map_or(0..0, |entry| entry.name.span())
 }
@@ -345,4 +286,75 @@ fn wrong(span: NameRange, message: &str, note: Option<String>) -> Diagnostic {
         .with_message(message)
         .with_labels(vec![Label::primary(0, span)])
         .with_notes(note.into_iter().collect())
+}
+
+/// Keys that are written even where they are zero, which is not their default.
+const WRITTEN: [&str; 4] = ["neutral", "normal", "offset", "place"];
+
+impl Laws {
+    /// The laws as a file that [`Laws::parse`] reads back for the same model;
+    /// entries without force or motion are left out.
+    pub fn to_text(&self, model: &Model) -> String {
+        let mut file = Table::new();
+        let mut section = |name: &str, entries: Vec<Table>| {
+            let entries: Vec<Value> = entries.into_iter().map(Value::Table).collect();
+            if !entries.is_empty() {
+                file.insert(name.to_owned(), Value::Array(entries));
+            }
+        };
+        let joints = || model.joints.iter().map(|joint| &*joint.name);
+        let links = model.links.iter().map(|link| &*link.name);
+        let forces = || {
+            model
+                .forces
+                .iter()
+                .map(|force| &*force.name)
+                .zip(&self.forces)
+        };
+        let acting = joints().zip(&self.joints).filter(|(_, law)| law.acts());
+        section("joint", acting.map(entry).collect());
+        let acting = links.zip(&self.links).filter(|(_, law)| law.acts());
+        section("link", acting.map(entry).collect());
+        let acting = forces().filter(|(_, law)| law.acts());
+        section("force", acting.map(entry).collect());
+        let planes = forces().map(|(name, law)| (name, &law.contact));
+        let planes = planes.filter(|(_, contact)| **contact != Contact::default());
+        section("contact", planes.map(entry).collect());
+        let tyres = forces().filter_map(|(name, law)| Some(named(name, law.tyre?.to_table())));
+        section("tyre", tyres.collect());
+        let events = self
+            .events
+            .iter()
+            .map(|law| entry((law.subject(model), law)));
+        section("event", events.collect());
+        let moved = model.joints.iter().zip(&self.drives);
+        let moved = moved.filter(|(joint, law)| {
+            let elsewhere = law.offset.is_some_and(|offset| offset != joint.initial[0]);
+            law.amplitude != 0.0 || elsewhere
+        });
+        let moved = moved.map(|(joint, law)| entry((&joint.name, law)));
+        section("driven", moved.collect());
+        toml::to_string(&file).expect("numbers and names can be written")
+    }
+}
+
+/// An entry with the numbers of a law, those that are zero left out.
+fn entry((name, law): (&str, &impl Serialize)) -> Table {
+    let mut entry = Table::try_from(law).expect("a law has numbers and words");
+    entry.retain(|key, value| WRITTEN.contains(&key) || !is_zero(value));
+    named(name, entry)
+}
+
+fn named(name: &str, mut entry: Table) -> Table {
+    entry.insert("name".to_owned(), Value::String(name.to_owned()));
+    entry
+}
+
+fn is_zero(value: &Value) -> bool {
+    match value {
+        Value::Float(number) => *number == 0.0,
+        Value::Integer(number) => *number == 0,
+        Value::Array(numbers) => numbers.iter().all(is_zero),
+        _ => false,
+    }
 }

@@ -15,8 +15,7 @@ pub enum IntegrationMethod {
         /// The largest step.
         step: f64,
     },
-    /// Dormand and Prince's pair of orders 5 and 4 with steps that meet
-    /// tolerances on positions and velocities.
+    /// Dormand and Prince's pair of orders 5 and 4, with steps by tolerances.
     DormandPrince {
         /// Error per step, relative to the number.
         relative: f64,
@@ -34,8 +33,7 @@ pub struct SimulationPlan {
     pub samples: u32,
     /// Way in which steps are made.
     pub method: IntegrationMethod,
-    /// Maximum number of steps of a run, with rejected ones and those that
-    /// locate events.
+    /// Maximum number of steps of a run, rejected and locating ones included.
     pub step_limit: u64,
     /// Precision of the times of events, s.
     pub event_tolerance: f64,
@@ -110,8 +108,7 @@ impl SimulationRun {
     }
 }
 
-/// The mean position of a joint, by index, over the samples of some runs, m or
-/// rad.
+/// Mean position of a joint, by index, over the samples of runs, m or rad.
 pub fn mean_position(runs: &[SimulationRun], joint: usize) -> f64 {
     let positions = || {
         let samples = runs.iter().flat_map(|run| &run.samples);
@@ -121,12 +118,7 @@ pub fn mean_position(runs: &[SimulationRun], joint: usize) -> f64 {
     positions().sum::<f64>() / positions().count() as f64
 }
 
-/// Integrates a system from an initial state. `progress` receives the time
-/// after every step.
-///
-/// # Errors
-///
-/// See [`MotionError`].
+/// Integrates a system from a state; `progress` gets the time after a step.
 pub fn simulate(
     system: &mut MultibodySystem<'_>,
     initial: &MotionState,
@@ -180,7 +172,6 @@ struct Integrator<'a, 's, 'm> {
     signals: Vec<Signal>,
 }
 
-/// A step that was tried.
 struct TriedStep {
     /// Length of the step, s.
     length: f64,
@@ -213,8 +204,7 @@ impl Integrator<'_, '_, '_> {
         Ok(())
     }
 
-    /// Takes over the result of a step; with loops closed where they are
-    /// projected.
+    /// Takes over the result of a step, loops closed where they are projected.
     fn accept(&mut self, time: f64, next: &[f64]) -> Result<(), MotionError> {
         let state = self.system.unpack(time, next)?;
         self.system.renew(&state)?;
@@ -270,8 +260,7 @@ impl Integrator<'_, '_, '_> {
         Ok(self.signals(&state))
     }
 
-    /// The step, or, if an event occurs in it, the shorter one to just after
-    /// the first event.
+    /// The step, or the shorter one to just after the first event in it.
     fn cut(&mut self, time: f64, whole: TriedStep) -> Result<TriedStep, MotionError> {
         if self.watch.is_empty() {
             return Ok(whole);
@@ -398,8 +387,7 @@ impl Integrator<'_, '_, '_> {
         Ok(())
     }
 
-    /// Reason why steps have become too short: where generated functions are at
-    /// a dead point, this.
+    /// Reason why steps have become too short, such as a dead point.
     fn too_short(&mut self, time: f64) -> Result<MotionError, MotionError> {
         let state = self.system.unpack(time, &self.packed)?;
         let step = self.step;

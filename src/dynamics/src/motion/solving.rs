@@ -1,5 +1,4 @@
-//! Accelerations: taken from the equations, or solved for by coordinate
-//! partitioning.
+//! Accelerations: from equations, or solved for by coordinate partitioning.
 
 use super::MotionError;
 use super::system::MultibodySystem;
@@ -35,7 +34,6 @@ impl MultibodySystem<'_> {
         })
     }
 
-    /// Solves the equations of motion for the accelerations.
     fn solve(&self, state: &MotionState) -> Result<Vec<f64>, MotionError> {
         let (matrix, bias) = self.equations.dynamics(state);
         if !largest(&bias).is_finite() {
@@ -122,8 +120,7 @@ impl MultibodySystem<'_> {
         Ok((solution.select(&every, &columns), offset.collect()))
     }
 
-    /// Power of the drives: the forces that the equations leave open on driven
-    /// joints, less those of the loops.
+    /// Power of drives: forces on driven joints, less those of loops.
     fn drive_power(&self, state: &MotionState, accelerations: &[f64]) -> f64 {
         let Partition {
             dependent: v,

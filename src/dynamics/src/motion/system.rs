@@ -1,10 +1,8 @@
 //! The differential equation of a model.
 //!
 //! The state of the integrator has all positions, all velocities and the work
-//! done so far. Driven joints get the positions of their laws before anything
-//! is computed, and so do dependent joints where loops are projected
-//! ([`LoopKeeping`]); the integrator's prediction for them is then only a
-//! start.
+//! done so far. Driven joints get the positions of their laws first, and so do
+//! dependent joints where loops are projected ([`LoopKeeping`]).
 
 use super::equations::EquationSetting;
 use super::generated_loops::LoopKeeping;
@@ -28,8 +26,7 @@ pub struct MultibodySystem<'m> {
     pub(super) partition: Partition,
     pub(super) keeping: LoopKeeping,
     pub(super) work: EvaluationWork,
-    /// First time at which the joints that generated functions move came near a
-    /// dead point, s.
+    /// First time at which joints of generated functions near a dead point, s.
     weak_since: Option<f64>,
     /// Their side of a dead point.
     side: Option<i8>,
@@ -45,13 +42,7 @@ pub struct EvaluationWork {
 }
 
 impl<'m> MultibodySystem<'m> {
-    /// Makes the equations of a model and closes its loops; the system and
-    /// its initial state.
-    ///
-    /// # Errors
-    ///
-    /// See [`MotionError`]: equations that cannot be made, loops that cannot
-    /// be closed.
+    /// Makes a model's equations and closes its loops; also its initial state.
     pub fn new(
         model: &'m Model,
         laws: Laws,
@@ -99,10 +90,6 @@ impl<'m> MultibodySystem<'m> {
     }
 
     /// The laws of a model as [`MultibodySystem::settled_laws`] has them.
-    ///
-    /// # Errors
-    ///
-    /// As [`MultibodySystem::new`].
     pub fn settled(model: &'m Model, laws: Laws) -> Result<Laws, MotionError> {
         let (system, _) = MultibodySystem::new(model, laws, &EquationSetting::default())?;
         Ok(system.settled_laws())
@@ -129,8 +116,7 @@ impl<'m> MultibodySystem<'m> {
         laws
     }
 
-    /// The initial lengths of links, m. Along one axis of the common frame they
-    /// have the axis' sign, and keep it.
+    /// Initial lengths of links, m, with the sign of the common axis, if any.
     pub fn link_lengths(&self) -> &[f64] {
         &self.lengths
     }
@@ -150,7 +136,6 @@ impl<'m> MultibodySystem<'m> {
         &self.partition
     }
 
-    /// The loops of the model.
     fn loops(&self) -> LoopClosure<'_> {
         LoopClosure {
             model: self.model,
@@ -181,8 +166,7 @@ impl<'m> MultibodySystem<'m> {
         packed
     }
 
-    /// The state of an integrator's numbers: driven joints driven, and loops
-    /// closed where they are projected.
+    /// The state of an integrator's numbers, driven and projected.
     pub(super) fn unpack(&mut self, time: f64, packed: &[f64]) -> Result<MotionState, MotionError> {
         let joints = self.model.joints.len();
         assert_eq!(
@@ -223,8 +207,7 @@ impl<'m> MultibodySystem<'m> {
         Ok(slope)
     }
 
-    /// Adds to the accelerations of dependent joints the terms that return
-    /// positions and velocities to the constraints.
+    /// Adds the terms that return dependent joints to the constraints.
     fn stabilise(
         &mut self,
         state: &MotionState,
@@ -287,8 +270,7 @@ impl<'m> MultibodySystem<'m> {
         near.then(|| loops.dead_point(self.model, constraints, state))
     }
 
-    /// The first time at which the joints that generated functions move had
-    /// come near a dead point, s.
+    /// First time of joints of generated functions near a dead point, s.
     pub fn weak_since(&self) -> Option<f64> {
         self.weak_since
     }

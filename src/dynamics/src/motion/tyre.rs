@@ -3,10 +3,9 @@
 //!
 //! The axis of the wheel and the normal of the plane give the directions along
 //! and across: `t = a x n / |a x n|` and `l = n x t`. With the velocity `w` of
-//! the material point at the ground and the velocity of rolling
-//! `v = t.w + r (a.spin)`, the slips are `-t.w / V` and `-l.w / V` with
-//! `V = sqrt(v^2 + slip^2)`: from standstill on, slip is a finite number, and a
-//! wheel at rest is held by a damper.
+//! the material point at the ground and the velocity of rolling `v = t.w + r
+//! (a.spin)`, the slips are `-t.w / V` and `-l.w / V` with `V = sqrt(v^2 +
+//! slip^2)`: from standstill on slip is finite; a damper holds a wheel.
 //!
 //! The law `bakker` is the magic formula of Bakker, Nyborg and Pacejka (*Tyre
 //! modelling for use in vehicle dynamics studies*, SAE 870421, 1987). Both
@@ -20,15 +19,13 @@
 use super::contact::{Contact, GroundForce, direction};
 use super::varied::{PointMotion, Varied, VariedVector, inner, outer};
 use robovec_model::Model;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::array::from_fn;
 
-/// The velocity of rolling below which slip is regularised when a law does not
-/// specify it, m/s.
+/// Default velocity of rolling below which slip is regularised, m/s.
 pub const ROLLING_VELOCITY: f64 = 0.1;
 
-/// Smallest sine of the angle between axis and normal: below it a wheel lies
-/// flat, and has no direction along which it rolls.
+/// Smallest sine of the angle between axis and normal of a rolling wheel.
 pub(super) const FLAT: f64 = 1e-6;
 
 /// Tyre of a wheel whose centre is the point of an external force.
@@ -43,8 +40,7 @@ pub struct Tyre {
     pub axis: [f64; 3],
     /// Force against slip.
     pub law: SlipLaw,
-    /// The velocity of rolling below which slip is regularised, m/s; `None`:
-    /// [`ROLLING_VELOCITY`].
+    /// Velocity below which slip is regularised, m/s ([`ROLLING_VELOCITY`]).
     pub slip: Option<f64>,
 }
 
@@ -70,7 +66,7 @@ pub enum SlipLaw {
 }
 
 /// Coefficients of the magic formula `D sin(C atan(B k - E (B k - atan(B k))))`.
-#[derive(Clone, Copy, PartialEq, Debug, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MagicFormula {
     /// Stiffness factor.
@@ -210,7 +206,6 @@ impl Tyre {
         self.footprint(motion).gap
     }
 
-    /// Force of the ground on the wheel.
     pub(super) fn force(&self, motion: &PointMotion<Varied>) -> GroundForce {
         let print = self.footprint(motion);
         let Some(pressure) = self.contact.pressure(print.gap) else {

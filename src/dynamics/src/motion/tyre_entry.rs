@@ -6,7 +6,6 @@ use serde::Deserialize;
 use thiserror::Error;
 use toml::{Table, Value};
 
-/// Choice of the force against slip.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum SlipLawChoice {
@@ -45,7 +44,6 @@ fn across() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
 
-/// Fault of an entry.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub(super) enum TyreEntryError {
     /// The law has no parameter `friction`.
@@ -59,12 +57,7 @@ pub(super) enum TyreEntryError {
     Slope(&'static str),
     /// Coefficients are incomplete or no numbers.
     #[error("with the law 'bakker' `{name}` is {{ B = …, C = …, D = …, E = … }}: {reason}")]
-    Curve {
-        /// Key of the coefficients.
-        name: &'static str,
-        /// Fault in them.
-        reason: String,
-    },
+    Curve { name: &'static str, reason: String },
 }
 
 fn slope(name: &'static str, value: &Value) -> Result<f64, TyreEntryError> {
@@ -122,16 +115,7 @@ impl Tyre {
     /// The entry without its name.
     pub(super) fn to_table(self) -> Table {
         let list = |vector: [f64; 3]| Value::Array(vector.map(Value::Float).to_vec());
-        let curve = |curve: MagicFormula| {
-            let numbers = [
-                ("B", curve.stiffness),
-                ("C", curve.shape),
-                ("D", curve.peak),
-                ("E", curve.curvature),
-            ];
-            let numbers = numbers.map(|(key, number)| (key.to_owned(), Value::Float(number)));
-            Value::Table(numbers.into_iter().collect())
-        };
+        let curve = |curve: MagicFormula| Value::try_from(curve).expect("numbers can be written");
         let (law, slips, friction) = match self.law {
             SlipLaw::Linear {
                 friction,

@@ -142,7 +142,6 @@ pub struct PointMotion<N = f64> {
 }
 
 impl PointMotion {
-    /// The motion with its derivative along a direction.
     pub(super) fn along(&self, slope: &PointMotion) -> PointMotion<Varied> {
         let varied = |values: &[f64; 3], slopes: &[f64; 3]| {
             from_fn(|k| Varied {
@@ -158,7 +157,6 @@ impl PointMotion {
         }
     }
 
-    /// The motion without a direction.
     pub(super) fn fixed(&self) -> PointMotion<Varied> {
         let fixed = |vector: [f64; 3]| vector.map(Varied::fixed);
         PointMotion {

@@ -1,12 +1,12 @@
-//! Differences of a function from its model.
+//! Differences of a function from its model, and functions with other inputs.
 
-use super::inputs::is_zero;
 use super::{ArrayElement, Comparison, element, extent, metadata, used};
+use crate::kinematics::parameter;
 use robovec_analysis::class::NumericClass;
 use robovec_framework::check::check;
 use robovec_ir::states::States;
-use robovec_ir::{Function, Module, Operand, Tables, View};
-use robovec_model::{Model, ModelPoint};
+use robovec_ir::{Function, Input, Module, Operand, Tables, View};
+use robovec_model::{Joint, Model, ModelPoint};
 use robovec_robotran::align::replace;
 
 /// No more parameters than this are named in one message.
@@ -153,4 +153,29 @@ pub(super) fn superfluous(
             "generate the file again to drop them, unless they change at run time",
         );
     }
+}
+
+/// True when an input is a constant zero for the model.
+pub(super) fn is_zero(model: &Model, (array, indices): &ArrayElement) -> bool {
+    let rank = indices.iter().filter(|&&index| index > 0).count();
+    let symbol = |has: fn(&Joint) -> bool| {
+        let joint = indices[0].checked_sub(1);
+        joint
+            .and_then(|joint| model.joints.get(joint as usize))
+            .is_some_and(|joint| !has(joint))
+    };
+    match array.as_str() {
+        "qd" => symbol(|joint| joint.has_velocity),
+        "qdd" => symbol(|joint| joint.has_acceleration),
+        _ => parameter(model, array, &indices[..rank]) == Some(0.0),
+    }
+}
+
+/// Replaces the inputs that are zero for the model by zero.
+pub fn zero(model: &Model, tables: &Tables, function: &mut Function) {
+    let zeros: Vec<bool> = (0..function.input_len() as u32)
+        .map(|input| is_zero(model, &element(tables, function, Input(input))))
+        .collect();
+    let constant = Operand::from(function.constant(0.0));
+    replace(function, |input| zeros[input.index()].then_some(constant));
 }

@@ -31,7 +31,8 @@ pub(super) fn source(step: &StepPlan<'_>, function: StepFunction, generated: &st
             "    for (int i = 1; i <= s->nqu; i++)\n        qddu[i] = s->qdd[s->qu[i]];\n",
         ),
     };
-    let driven = if step.has_driven_joints() {
+    let mut joints = step.model.joints.iter();
+    let driven = if joints.any(|joint| joint.nature == Nature::Driven) {
         "    user_DrivenJoints(s, tsim);\n"
     } else {
         ""
@@ -82,8 +83,7 @@ fn roles(step: &StepPlan<'_>) -> String {
     letters.collect()
 }
 
-/// Numbers from 1 of joints, as elements of an array of C, which has one at
-/// least.
+/// Numbers from 1 of joints, as elements of an array of C, one at least.
 fn numbers(joints: &[usize]) -> String {
     let numbers = joints.iter().map(|joint| (joint + 1).to_string());
     let numbers: Vec<String> = numbers.chain(["0".to_owned()]).collect();

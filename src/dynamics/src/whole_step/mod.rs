@@ -1,5 +1,4 @@
-//! The whole step of a simulation as C that replaces Robotran's `accelred`, and
-//! of inverse dynamics as `invdynared`.
+//! The whole step of a simulation as C, `accelred`, and as `invdynared`.
 //!
 //! MBsysC calls `mbs_accelred` once for every evaluation of the derivative, for
 //! all quantities: the motion of driven joints, loops that are closed,
@@ -18,20 +17,21 @@
 //! **Choices at run time.** The dependent joints are chosen when the equations
 //! are made. The project decides it too, when it starts; should the two differ,
 //! the function reports it and fails, since its result would be that of another
-//! system. It fails as well where numbers show that masses and constraints
-//! determine no motion.
+//! system. It also fails where masses and constraints determine no motion.
 
-pub mod accuracy;
 mod driver;
 
 use crate::generate::{
     Formulation, GenerateError, GenerationRequest, Options, cuts_of_rows, generate_into,
-    independent_joints, massless,
+    independent_joints, loop_constraints, massless,
 };
+use crate::kinematics::{InputSources, LoopClosure, MotionState, closed_states};
 use robovec_cgen::c::{self, Real, SignatureError};
 use robovec_cgen::kind::{Generation, file_stem};
-use robovec_ir::{Function, Module, View};
-use robovec_model::{Model, Nature};
+use robovec_error::yardstick::Yardstick;
+use robovec_error::yardstick::account::ErrorAccount;
+use robovec_ir::{Format, Function, Module, View};
+use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use thiserror::Error;
 
@@ -78,7 +78,6 @@ pub enum WholeStepError {
     Signature(#[from] SignatureError),
 }
 
-/// The functions that a model's steps consist of.
 fn parts(model: &Model, steps: &[StepFunction], options: &Options) -> Vec<FunctionKind> {
     let loops = [FunctionKind::LoopPositions, FunctionKind::LoopVelocities];
     let is_bound = !model.cuts.is_empty() || options.user_constraints > 0;
@@ -88,10 +87,6 @@ fn parts(model: &Model, steps: &[StepFunction], options: &Options) -> Vec<Functi
 }
 
 /// Generates the functions of some steps into one module.
-///
-/// # Errors
-///
-/// See [`GenerateError`].
 pub fn generate_parts(
     model: &Model,
     steps: &[StepFunction],
@@ -123,10 +118,9 @@ pub struct StepStyle<'a> {
     pub options: &'a Options,
 }
 
-/// The C of steps, one self-contained file each, so that a project needs no new
-/// rules for its build; from their functions ([`generate_parts`], with any
-/// passes run over them): names and texts of the files. Loops are closed in
-/// binary64 for every style.
+/// The C of steps, one self-contained file each, so that no build needs new
+/// rules, from their functions ([`generate_parts`], after any passes): names
+/// and texts of the files. Loops are closed in binary64 for every style.
 ///
 /// # Errors
 ///
@@ -190,10 +184,8 @@ struct StepPlan<'m> {
     generation: Generation,
     /// The independent joints, from 0, ascending.
     independent: Vec<usize>,
-    /// The cut of each row of the constraints of loops, redundant ones
-    /// included.
+    /// The cut of each row of the loops, redundant ones included.
     rows: Vec<usize>,
-    /// Rows of constraints of the user.
     user_rows: usize,
     /// Joints that get their accelerations from rows of the user, from 0.
     massless: Vec<usize>,
@@ -220,9 +212,108 @@ impl StepPlan<'_> {
             multipliers: style.options.multipliers,
         })
     }
+}
 
-    fn has_driven_joints(&self) -> bool {
-        let mut joints = self.model.joints.iter();
-        joints.any(|joint| joint.nature == Nature::Driven)
+/// States that are measured, and the seed they are drawn with.
+const STATES: usize = 16;
+const SEED: u64 = 1;
+
+/// The error of the results of a step in a format, against exact results of the
+/// same equations. `None` where no state was found that closes the loops, or
+/// where the function reads an element that the model does not have.
+///
+/// Random positions would leave loops open, where the results mean nothing. So
+/// the independent joints are drawn around the model's closed initial state,
+/// and the loops are closed again, in binary64 as the step itself does.
+///
+/// # Errors
+///
+/// Fails when the constraints of the loops cannot be generated.
+pub fn step_error(
+    model: &Model,
+    step: StepFunction,
+    module: &Module,
+    format: Format,
+) -> Result<Option<ErrorAccount>, GenerateError> {
+    let name = step.name();
+    let function = module
+        .functions
+        .iter()
+        .find(|function| function.name == name);
+    let Some(function) = function else {
+        return Ok(None);
+    };
+    let view = View {
+        tables: &module.tables,
+        function,
+    };
+    let states = states(model)?;
+    let Some(sources) = InputSources::new(model, view)
+        .ok()
+        .filter(|_| !states.is_empty())
+    else {
+        return Ok(None);
+    };
+    let told = format!(
+        "{} random states around the closed initial one, seed {SEED}",
+        states.len()
+    );
+    let states = states.iter().map(|state| sources.gather(state));
+    let yardstick = Yardstick::at(view, states.collect());
+    Ok(ErrorAccount::measured(view, &yardstick, format, told).ok())
+}
+
+/// States with closed loops, and random forces.
+fn states(model: &Model) -> Result<Vec<MotionState>, GenerateError> {
+    let constraints = loop_constraints(model)?;
+    let loops = LoopClosure {
+        model,
+        constraints: &constraints,
+    };
+    Ok(closed_states(&loops, STATES, SEED))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{Formulation, Options};
+    use crate::whole_step::generate_parts;
+    use robovec_model::family::ModelFamily;
+
+    /// Exact arithmetic is far better than binary32, which rounds at 6e-8; and
+    /// loops are closed wherever it is measured.
+    #[test]
+    fn errors_are_those_of_the_format() {
+        for name in ["four-bar", "quarter-car", "double-pendulum"] {
+            let model = ModelFamily::from_name(name).expect("a family").build(0, 1);
+            let formulation = Formulation::default();
+            let step = StepFunction::Accelerations;
+            let module = generate_parts(&model, &[step], formulation, &Options::default());
+            let module = module.expect("it has all functions");
+            let worst = |format: Format| {
+                let account = step_error(&model, step, &module, format);
+                let account = account.expect("the loops have constraints");
+                let account = account.expect("there are closed states");
+                assert!(account.states.starts_with("16 "), "{}", account.states);
+                account.normwise.worst
+            };
+            let [single, double] = [Format::BINARY32, Format::BINARY64].map(worst);
+            assert!(single > 1e-9 && single < 1e-4, "{name}: {single:e}");
+            assert!(double < 1e-12 && double > 0.0, "{name}: {double:e}");
+        }
+    }
+
+    #[test]
+    fn states_close_the_loops() {
+        let model = ModelFamily::from_name("four-bar")
+            .expect("a family")
+            .build(0, 1);
+        let states = states(&model).expect("it has constraints");
+        let constraints = loop_constraints(&model).expect("it has constraints");
+        for state in &states {
+            let (gaps, _) = constraints.evaluate(state);
+            assert!(gaps.iter().all(|gap| gap.abs() < 1e-12), "{gaps:?}");
+        }
+        assert!(states[0].q != states[1].q);
     }
 }
