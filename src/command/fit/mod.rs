@@ -294,7 +294,7 @@ fn write(
     });
     let table = fit::text::candidates_table(outcome);
     let mut files = result_files(&table, json_text(&json), &fit::text::figure(task, outcome));
-    let page = fit::page::page(task, outcome, confirmation);
+    let page = fit::text::page(task, outcome, confirmation);
     files.push(("fit.html".to_owned(), page));
     if let Some(chosen) = outcome.chosen {
         let candidate = &outcome.candidates[chosen];

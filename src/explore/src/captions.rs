@@ -6,7 +6,6 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// The file of captions.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Captions {
@@ -59,8 +58,7 @@ pub(crate) fn filled<R>(
     (!rows.is_empty()).then(|| table(name, words, columns, rows))
 }
 
-/// A figure with panels side by side, two in a row, if there are any; `texts`
-/// is the name of its texts.
+/// A figure with panels, two in a row, if any; `texts`: the name of its texts.
 pub(crate) fn figure(
     texts: &str,
     name: &str,

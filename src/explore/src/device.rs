@@ -22,8 +22,7 @@ pub struct DeviceShare {
 }
 
 impl DeviceShare {
-    /// The largest of the three shares of a device; above 1 the machine does
-    /// not fit.
+    /// Largest of the three shares of a device; above 1 it does not fit.
     pub fn share(&self, device: &Device) -> f64 {
         let capacity = &device.capacity;
         let shares = [
@@ -48,9 +47,8 @@ pub struct MachineFigures {
     pub share: f64,
 }
 
-/// The figures of a machine in a format, for a program of this number of cycles
-/// whose elements hold at most this number of words each. A memory in logic
-/// counts as the tables that it replaces.
+/// Figures of a machine in a format, for a program of some cycles and at most
+/// some words per element. A memory in logic counts as tables.
 pub fn figures(machine: &Machine, format: Format, cycles: u32, words: u32) -> MachineFigures {
     let machine = Machine {
         number: format,
@@ -83,9 +81,8 @@ pub fn taken_in_all(taken: &ResourceUse, device: &Device) -> DeviceShare {
     }
 }
 
-/// The schedule of the first function of a module, in cycles, and the share of
-/// the device that the machine takes with memories for it; `None` where the
-/// machine cannot hold it.
+/// The schedule of a module's first function, cycles, and the machine's share
+/// of the device with memories for it; `None` where it cannot hold it.
 pub fn placed_share(module: &Module, machine: &Machine) -> Option<(u32, f64)> {
     let placed = placed(module, machine, PlaceOptions::default()).ok()?;
     let cycles = placed.summary.cycles;

@@ -1,6 +1,5 @@
-//! Common parts of all explorations of functions: the function with its
-//! formulations, shares of the work, and results as text, table, figure, data
-//! and page.
+//! Common parts of explorations of functions: the function with formulations,
+//! shares of the work, and results as text, table, figure, data and page.
 
 use crate::ExplorationProgress;
 use crate::optimise::found::{FoundProgram, found};
@@ -64,8 +63,7 @@ impl ExploredFunction {
         random_states(self.count as usize, self.states.seed(), has_ranges)
     }
 
-    /// Programs that the search of `robovec optimise` finds for numbers of adders and
-    /// multipliers.
+    /// Programs that `robovec optimise` finds for numbers of elements.
     pub(crate) fn searched(
         &self,
         machine: &Machine,
@@ -81,8 +79,7 @@ impl ExploredFunction {
 /// Results for a function.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Explored<R> {
-    /// A share of the work: its pieces, in words, and the number of pieces that
-    /// an earlier run or another worker stored.
+    /// A share of the work: its pieces, in words, and the number stored before.
     Share(String, usize),
     /// All results.
     Whole(R),

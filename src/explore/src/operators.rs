@@ -5,8 +5,7 @@
 
 use robovec_ir::{Machine, Operation};
 
-/// The clock that double-pumped M10K memories (240 MHz) allow the elements,
-/// MHz (thesis 1.3).
+/// Clock with double-pumped M10K memories (240 MHz), MHz (thesis 1.3).
 pub const MEMORY_CAP_MHZ: u32 = 120;
 
 /// An operator with a number of pipeline stages.

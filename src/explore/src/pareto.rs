@@ -23,13 +23,11 @@ pub enum EqualPoints {
     First,
 }
 
-/// The places of the points that no other one dominates, by their first
-/// measures, then the next.
+/// Places of the points that no other dominates, by measures in their order.
 ///
 /// A point is compared with the kept ones alone: in this order no later point
 /// dominates it, and a dropped point that dominated it was itself dominated by
-/// a kept one. The work is n log n, and at most n times the points that are
-/// kept.
+/// a kept one. The work is n log n, at most n times the points kept.
 pub fn front<const N: usize>(points: &[[f64; N]], ties: EqualPoints) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
@@ -52,8 +50,7 @@ pub fn front<const N: usize>(points: &[[f64; N]], ties: EqualPoints) -> Vec<usiz
     kept
 }
 
-/// Items that no other one beats in two finite criteria, by the first
-/// criterion; of equal ones the first.
+/// Items that no other beats in two criteria, by the first; of equal ones one.
 pub fn steps<T: Copy>(items: impl IntoIterator<Item = (T, [f64; 2])>) -> Vec<T> {
     let is_finite = |criteria: &[f64; 2]| criteria.iter().all(|number| number.is_finite());
     let items = items

@@ -7,22 +7,19 @@ use robovec_schedule::{
     placement_statistics,
 };
 
-/// A machine with this number of adders and multipliers; the counts of other
-/// elements are unchanged.
+/// A machine with this number of adders and multipliers, else unchanged.
 pub fn with_elements(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
     with_counts(machine, &[(Operation::Add, add), (Operation::Mul, multi)])
 }
 
-/// A machine with this number of adders and multipliers, and with the latter
-/// number of fused elements.
+/// A machine with these numbers of adders, and of multipliers and fused ones.
 pub fn with_fused(machine: &Machine, [add, multi]: [u32; 2]) -> Machine {
     let machine = with_elements(machine, [add, multi]);
     with_counts(&machine, &[(Operation::Fma, multi)])
 }
 
-/// A machine with this number of elements of the kinds that perform these
-/// operations; a kind that performs several has the last number, others are
-/// unchanged.
+/// A machine with this number of elements that perform these operations; a kind
+/// of several operations has the last number, others are unchanged.
 fn with_counts(machine: &Machine, counts: &[(Operation, u32)]) -> Machine {
     let mut machine = machine.clone();
     for &(operation, count) in counts {
@@ -42,10 +39,6 @@ pub struct PlacedFunction {
 }
 
 /// Places the first function of a module.
-///
-/// # Errors
-///
-/// Fails when the machine cannot hold it.
 pub fn placed(
     module: &Module,
     machine: &Machine,
@@ -90,8 +83,7 @@ impl PlacedFunction {
     }
 }
 
-/// The words of one memory of an element whose memories have this number
-/// together.
+/// Words of one memory of an element whose memories have this sum.
 pub fn words_of_a_side(words: u32, machine: &Machine) -> u32 {
     words.div_ceil(machine.memory.style.banks() as u32)
 }

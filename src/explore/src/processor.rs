@@ -1,11 +1,9 @@
-//! The time of the same functions on one core of a processor: the C that
-//! `codegen` writes, compiled by the user's compiler and run on random
-//! states.
+//! The time of the same functions on one core of a processor: the C of
+//! `codegen`, compiled by the user's compiler and run on random states.
 //!
 //! These are measurements: they differ from run to run and are separate from
-//! other results. [`contest`] is a bench among our own kinds of C, whose
-//! results are compared; [`compile_and_run`] times one function in one format,
-//! which need not be the bench's.
+//! other results. [`contest`] is a bench among our own kinds of C;
+//! [`compile_and_run`] times one function in any format.
 
 use robovec_bench::contestant::{Contestant, ContestantFamily};
 use robovec_bench::task::BenchTask;
@@ -24,7 +22,6 @@ pub const LARGEST: usize = 200_000;
 
 /// Place where the states come from that programs are timed at.
 const SEED: u64 = 1;
-/// Number of states.
 const STATES: u32 = 16;
 /// Rounds, and the time of every program in a round, ms.
 const ROUNDS: (u32, u32) = (3, 60);
@@ -66,8 +63,7 @@ pub struct ProcessorTimes {
     pub rolled: Option<f64>,
     /// Per state, when eight are evaluated at once.
     pub batch: Option<f64>,
-    /// Time by which one call in a thousand of the faster C takes longer than
-    /// the median one.
+    /// Excess of one call in a thousand of the faster C over the median one.
     pub jitter: Option<f64>,
 }
 
@@ -79,15 +75,13 @@ impl ProcessorTimes {
     }
 }
 
-/// Times of the C that is generated for processors, in binary64, after its
-/// results were compared with the evaluator's. Loops are found in the order of
-/// `regular`; straight-line code and batches are of `shorter`, the same
-/// function after passes or not.
+/// Times of C for processors, in binary64, with results compared with the
+/// evaluator's. Loops are found in the order of `regular`; straight-line code
+/// and batches are of `shorter`, the same function after passes or not.
 ///
 /// # Errors
 ///
-/// The reason why there is no time: no compiler, its message, or a wrong
-/// result.
+/// Reason for no time: no compiler, its message, or a wrong result.
 pub fn contest(regular: View<'_>, shorter: View<'_>) -> Result<ProcessorTimes, String> {
     let folder = TemporaryFolder::new().map_err(|error| format!("no temporary folder: {error}"))?;
     let compiler = Compiler::find("cc")?;
@@ -159,8 +153,7 @@ pub(crate) fn question<'a>(view: View<'a>, states: &'a States) -> BenchQuestion<
     }
 }
 
-/// The time of one call of a function in ns: the smallest over many
-/// repetitions, sines and cosines included.
+/// Time of one call of a function, ns: the smallest of many repetitions.
 ///
 /// # Errors
 ///

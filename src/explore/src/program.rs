@@ -1,6 +1,6 @@
 //! Programs: results of pipelines on equations.
 
-use robovec_dynamics::generate::Formulation;
+use robovec_dynamics::generate::{Formulation, GenerateError};
 use robovec_error::yardstick::Unmeasurable;
 use robovec_framework::manager::{self, Config, RunError};
 use robovec_framework::pipeline::Pipeline;
@@ -19,6 +19,9 @@ pub enum ExplorationError {
     /// An invalid pipeline, or a pass that gave up.
     #[error("{0}")]
     Pass(String),
+    /// The equations could not be made.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
     /// The program does not match the function.
     #[error(transparent)]
     Unmeasurable(#[from] Unmeasurable),
@@ -39,6 +42,15 @@ pub enum ExplorationError {
     /// A placement could not be written.
     #[error("cannot keep a placement: {0}")]
     NotKept(String),
+    /// The model does not have an input of the equations.
+    #[error("the model has no {0}")]
+    Input(String),
+}
+
+impl From<RunError> for ExplorationError {
+    fn from(error: RunError) -> ExplorationError {
+        ExplorationError::Pass(error.to_string())
+    }
 }
 
 /// The first function of a module, with its tables.
@@ -48,10 +60,6 @@ pub fn view(module: &Module) -> View<'_> {
 
 /// Module that a pipeline makes of a module, for a scene or in general. Remarks
 /// of the passes are for who compiles and are not kept.
-///
-/// # Errors
-///
-/// Errors of the passes.
 pub fn transformed(
     module: &Module,
     pipeline: &Pipeline,
@@ -82,12 +90,10 @@ pub fn transformed_by(
     let pipeline = REGISTRY
         .pipeline(passes)
         .map_err(|error| ExplorationError::Pass(error.to_string()))?;
-    transformed(module, &pipeline, machine, scene)
-        .map_err(|error| ExplorationError::Pass(error.to_string()))
+    Ok(transformed(module, &pipeline, machine, scene)?)
 }
 
-/// Programs by formulation and stages: those that start with the same stages
-/// share their work.
+/// Programs by formulation and stages; the same first stages share their work.
 pub(crate) struct ProgramWorkshop<'a> {
     machine: &'a Machine,
     /// By the name of the formulation, none for equations as they came, and the stages.
@@ -112,9 +118,8 @@ impl<'a> ProgramWorkshop<'a> {
         }
     }
 
-    /// The program that stages of passes make of a formulation of the workshop, of the
-    /// equations as they came for `None`. Fails when a stage is no pipeline or a pass
-    /// gives up.
+    /// The program that stages of passes make of a formulation, or of equations
+    /// as they came. Fails when a stage is no pipeline or a pass gives up.
     pub(crate) fn program(
         &mut self,
         formulation: Option<Formulation>,

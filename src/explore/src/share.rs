@@ -3,8 +3,7 @@
 //! Where pieces of work do not depend on one another a worker does only those
 //! of its share. In a search the next trial depends on the results of all
 //! earlier ones: there a worker does its own pieces first, then reads those of
-//! the others from the folder or does them itself. No worker ever waits for
-//! another, so that each also ends alone.
+//! the others from the folder or does them itself. No worker waits for another.
 
 use super::store::{PointKey, PointStore, build_key};
 use serde::Serialize;
@@ -63,8 +62,7 @@ impl<'a> SharedWork<'a> {
         }
     }
 
-    /// The key of results of this build of robovec, to be completed with all
-    /// their dependences; `None` without a store.
+    /// The key of results of this build, without dependences, with a store.
     pub fn key(&self, kind: &str) -> Option<PointKey> {
         let (_, build) = self.kept?;
         Some(build.with(kind))
@@ -83,12 +81,7 @@ impl<'a> SharedWork<'a> {
         }
     }
 
-    /// The result of a key, measured and stored if it is missing; and a flag:
-    /// true when it was stored before.
-    ///
-    /// # Errors
-    ///
-    /// Fails when it cannot be written.
+    /// The result of a key, measured if missing; true if it was stored.
     pub fn point<P: Serialize + DeserializeOwned>(
         &self,
         key: Option<PointKey>,

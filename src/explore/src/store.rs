@@ -1,9 +1,7 @@
-//! Finished points on disk, so that an interrupted exploration continues where
-//! it stopped.
+//! Finished points on disk, from which an interrupted exploration continues.
 //!
 //! A point is stored under a key made of all its dependences, with the build of
-//! robovec. A file that does not match its name (truncated, edited, of another
-//! version) counts as missing.
+//! robovec. A file that does not match its name counts as missing.
 
 use robovec_io::files::{Replace, make_folder, write_whole};
 use robovec_ir::{Machine, Module, Symbol, print};
@@ -77,9 +75,8 @@ impl Write for PointKey {
     }
 }
 
-/// The key of the running build of robovec: its version and a digest of its
-/// program file, so that points of another build are not used. An error where
-/// the program file cannot be read.
+/// The key of this build of robovec, its version and a digest of its program
+/// file, against points of others; an error without the file.
 pub(crate) fn build_key() -> io::Result<PointKey> {
     let program = std::env::current_exe().and_then(fs::read)?;
     let key = PointKey::new().with(env!("CARGO_PKG_VERSION"));
@@ -115,10 +112,6 @@ pub struct PointStore {
 
 impl PointStore {
     /// Opens the folder, made if needed.
-    ///
-    /// # Errors
-    ///
-    /// Fails when it cannot be made.
     pub fn open(folder: &Path, reuse: bool) -> io::Result<PointStore> {
         make_folder(folder)?;
         Ok(PointStore {
@@ -138,8 +131,7 @@ impl PointStore {
         sound.then_some(stored.point)
     }
 
-    /// Keeps a point; when it cannot be written, an existing file of that name
-    /// is unchanged.
+    /// Keeps a point; a failure leaves an existing file of that name unchanged.
     pub(crate) fn save(&self, key: PointKey, point: &impl Serialize) -> io::Result<()> {
         let stored = StoredPoint {
             key: key.file_name(),

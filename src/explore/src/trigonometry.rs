@@ -1,17 +1,16 @@
 //! Effect of series for sines and cosines on the results of a model.
 //!
-//! [`measure`] replaces the sines and cosines of a function by polynomials,
-//! for several orders and ranges of the joints, and compares the outputs with
-//! those of true sines and cosines at random states. The error of a series is
-//! a modelling error that reaches every output, and mostly far above rounding
-//! (thesis 1.2.2, remark); beside each other in one table it is seen where
-//! one takes over from the other.
+//! [`measure`] replaces the sines and cosines of a function by polynomials, for
+//! several orders and ranges of the joints, and compares the outputs with those
+//! of true sines and cosines at random states. The error of a series reaches
+//! every output, and mostly far above rounding (thesis 1.2.2, remark); a table
+//! shows where one takes over.
 
 use crate::captions;
-use crate::program::transformed;
+use crate::program::{ExplorationError, transformed};
 use robovec_analysis::critical_path::critical_path;
 use robovec_dynamics::kinematics::{InputSources, MotionState};
-use robovec_error::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
+use robovec_error::yardstick::{ErrorSpread, Yardstick};
 use robovec_framework::manager::RunError;
 use robovec_framework::options::OptionValue;
 use robovec_ir::states::{Ranges, States};
@@ -57,8 +56,7 @@ pub struct TrigonometryRow {
     pub proved: [f64; 2],
     /// Operations of the function, and its longest path in cycles.
     pub size: [u32; 2],
-    /// For each output array the largest error of an element in a state over
-    /// the largest element in that state.
+    /// Per output array the largest error over the largest element in a state.
     pub errors: Vec<ErrorSpread>,
 }
 
@@ -73,20 +71,6 @@ pub struct TrigonometryEffect {
     pub rows: Vec<TrigonometryRow>,
 }
 
-/// Reason why nothing was measured.
-#[derive(Debug, thiserror::Error)]
-pub enum MeasureError {
-    /// A pass failed.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// The passes made another function.
-    #[error(transparent)]
-    Unmeasurable(#[from] Unmeasurable),
-    /// The model does not have an input of the equations.
-    #[error("the model has no {0}")]
-    Input(String),
-}
-
 /// Measures every function of a module. Parameters are those of the model
 /// when there is one, else random ones; so are velocities and forces.
 ///
@@ -99,7 +83,7 @@ pub fn measure(
     model: Option<&Model>,
     machine: &Machine,
     setting: &TrigonometrySetting,
-) -> Result<Vec<TrigonometryEffect>, MeasureError> {
+) -> Result<Vec<TrigonometryEffect>, ExplorationError> {
     let mut machine = machine.clone();
     machine.number = setting.format;
     let mut effects: Vec<TrigonometryEffect> = Vec::new();
@@ -124,7 +108,7 @@ pub fn measure(
                 let tables = &module.tables;
                 yardstick(View { tables, function }, model, angle, setting)
             })
-            .collect::<Result<Vec<Yardstick>, MeasureError>>()?;
+            .collect::<Result<Vec<Yardstick>, ExplorationError>>()?;
         let orders = std::iter::once(None).chain(setting.orders.iter().copied().map(Some));
         for order in orders {
             let replaced = match order {
@@ -173,8 +157,7 @@ fn replaced(
     transformed(module, &pipeline, machine, None)
 }
 
-/// The proved errors of sine and cosine; an order that is given always gives
-/// polynomials.
+/// Proved errors of sine and cosine; a given order always gives polynomials.
 fn proved(machine: &Machine, setting: &TrigonometrySetting, order: u32, angle: f64) -> [f64; 2] {
     let pass = Trigonometry {
         method: setting.method,
@@ -186,14 +169,13 @@ fn proved(machine: &Machine, setting: &TrigonometrySetting, order: u32, angle: f
     found.map_or([f64::INFINITY; 2], |(_, errors)| errors)
 }
 
-/// The exact outputs at random states. The exact function starts from the
-/// numbers of the format.
+/// The exact outputs at random states, from the numbers of the format.
 fn yardstick(
     view: View<'_>,
     model: Option<&Model>,
     angle: f64,
     setting: &TrigonometrySetting,
-) -> Result<Yardstick, MeasureError> {
+) -> Result<Yardstick, ExplorationError> {
     let ranges = ranges(view, model, angle)?;
     let source = States::new(setting.seed).within(Arc::new(ranges));
     let arithmetic = FormatArithmetic::new(setting.format);
@@ -206,12 +188,12 @@ fn yardstick(
 }
 
 /// Joints within the range, parameters from the model.
-fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, MeasureError> {
+fn ranges(view: View<'_>, model: Option<&Model>, angle: f64) -> Result<Ranges, ExplorationError> {
     let mut ranges = Ranges::default();
     let parameters = match model {
         None => None,
         Some(model) => {
-            let inputs = InputSources::new(model, view).map_err(MeasureError::Input)?;
+            let inputs = InputSources::new(model, view).map_err(ExplorationError::Input)?;
             Some(inputs.gather(&MotionState::initial(model)))
         }
     };

@@ -3,8 +3,7 @@
 //!
 //! Errors are those of an output over the largest element of its array in the
 //! same state, or over the usual size of the array where that is larger: an
-//! array that vanishes has no relative error. Inputs are real numbers, whose
-//! rounding to the format counts.
+//! array that vanishes has no relative error. The rounding of inputs counts.
 
 use crate::program::view;
 use robovec_analysis::adjoint::Tape;

@@ -1,5 +1,4 @@
-//! Answer of a search: the cheapest choice, its cost relative to binary32, its
-//! error, and the tested states.
+//! Answer of a search: the cheapest choice, its cost, error and tested states.
 
 use super::confirm::Confirmation;
 use super::text::percent;
@@ -21,15 +20,8 @@ pub(super) fn baseline(task: &FitTask<'_>, outcome: &FitOutcome) -> Option<usize
         let is_mixed = outcome.programs[candidate.program].mixture.is_some();
         candidate.meets && !is_mixed && candidate.format == "f32"
     });
-    let cost = |index: &usize| cost(task, &outcome.candidates[*index]);
+    let cost = |index: &usize| task.cost_of(&outcome.candidates[*index]);
     plain.min_by(|a, b| cost(a).total_cmp(&cost(b)))
-}
-
-fn cost(task: &FitTask<'_>, candidate: &FitCandidate) -> f64 {
-    match task.cost {
-        CostMeasure::Device => candidate.share,
-        CostMeasure::Cells => candidate.cells,
-    }
 }
 
 /// The cost of the choice beside that of binary32, in one line.
@@ -49,7 +41,7 @@ pub(super) fn headline(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
     let Some(plain) = baseline(task, outcome).map(|plain| &outcome.candidates[plain]) else {
         return format!("{own} {unit}; no program in binary32 meets the scene");
     };
-    let ratio = cost(task, plain) / cost(task, chosen);
+    let ratio = task.cost_of(plain) / task.cost_of(chosen);
     if chosen.format == "f32" {
         return format!("{own} {unit}, in binary32");
     }
@@ -63,8 +55,7 @@ pub(super) fn headline(task: &FitTask<'_>, outcome: &FitOutcome) -> String {
 /// Maximum number of characters of a line that is folded on the terminal.
 const LONG: usize = 200;
 
-/// Lines for the terminal: the choice, its error, the states at which it held;
-/// or the reason why there is none.
+/// Lines for the terminal: choice, error and states, or why there is none.
 pub(super) fn brief(
     task: &FitTask<'_>,
     outcome: &FitOutcome,
@@ -220,8 +211,7 @@ fn choice(task: &FitTask<'_>, outcome: &FitOutcome, chosen: usize) -> Vec<Line> 
     ]
 }
 
-/// The used part of a scene's tolerances, each with its own measure, which
-/// differs from that of the error beside them.
+/// The used part of a scene's tolerances, each with its own measure.
 fn allowed(task: &FitTask<'_>, used: f64) -> String {
     let needs = task.scene.outputs.iter();
     let allowed: Vec<String> = needs
@@ -258,8 +248,7 @@ fn refusal(task: &FitTask<'_>, outcome: &FitOutcome) -> Vec<Line> {
     lines
 }
 
-/// Facts established about the choice: the states it was tried at, and the
-/// results.
+/// Facts about the choice: the states it was tried at, and the results.
 fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<Line> {
     let fresh = counted(challenge.fresh, "fresh state");
     let seed = challenge.seed;
@@ -340,7 +329,6 @@ fn held(task: &FitTask<'_>, outcome: &FitOutcome, challenge: &Challenge) -> Vec<
     lines
 }
 
-/// Errors by their source.
 fn sources(outcome: &FitOutcome) -> String {
     let Some(sources) = outcome.sources else {
         return "not separated: values have their own formats".to_owned();
@@ -371,8 +359,7 @@ fn over_time(outcome: &FitOutcome, motion: &MotionShare) -> String {
     )
 }
 
-/// The sizes that errors are measured by at least, of arrays with a tolerance
-/// relative to the largest element.
+/// The least sizes that errors of arrays are relative to.
 fn scales(task: &FitTask<'_>) -> String {
     let mut sizes: Vec<String> = Vec::new();
     for need in &task.scene.outputs {

@@ -24,8 +24,7 @@ use robovec_ir::{Format, Input};
 use robovec_num::random::mix;
 use serde::Serialize;
 
-/// Operations evaluated for one unit of effort, exact and rounded ones alike,
-/// at states that are drawn.
+/// Operations for one unit of effort, exact and rounded ones, at drawn states.
 const WORK: u64 = 150_000_000;
 
 /// Minimum and maximum number of drawn states for one unit of effort.
@@ -34,12 +33,10 @@ const STATES: [u64; 2] = [3072, 3 << 18];
 /// Number of drawn states for one corner of the ranges.
 const CORNERS: u64 = 12;
 
-/// Operations evaluated by climbs of each of the two kinds, for one unit of
-/// effort.
+/// Operations evaluated by climbs of each kind, for one unit of effort.
 const CLIMBED_WORK: u64 = 4_000_000_000;
 
-/// Minimum and maximum number of states of climbs of each kind for one unit of
-/// effort.
+/// Minimum and maximum states of climbs of each kind for one unit of effort.
 const CLIMBED: [u64; 2] = [ROUND, 1 << 20];
 
 /// Part of the states of climbs whose time goes into adjoints.
@@ -104,9 +101,8 @@ struct ChallengeRun<'t> {
     worst: Vec<JudgedState>,
 }
 
-/// Tries a program in a format; ends at the first batch in which an error is
-/// larger than what is accepted. `number` is the number of the attempt: each attempt
-/// draws other states.
+/// Tries a program in a format; ends at the first batch with an error larger
+/// than accepted. `number`: that of the attempt, each with other states.
 pub(super) fn challenge(
     task: &FitTask<'_>,
     (program, format): (&FitProgram, Format),
@@ -184,14 +180,12 @@ fn measured_states(task: &FitTask<'_>, program: &FitProgram) -> [u64; 2] {
 }
 
 impl ChallengeRun<'_> {
-    /// True while climbs may find a failure: none is known, and there are
-    /// errors. Without tolerances nothing errs.
+    /// True while climbs may find a failure: there are errors, but no failure.
     fn is_open(&self) -> bool {
         self.result.holds() && self.result.used > 0.0
     }
 
-    /// Measures states by their number, until the choice does not hold; the
-    /// number of those measured.
+    /// Measures states until the choice does not hold; the number measured.
     fn all(
         &mut self,
         count: u64,

@@ -17,8 +17,7 @@ use serde::Serialize;
 /// States that are run cycle by cycle.
 const SIMULATED: usize = 8;
 
-/// Confirmation of a choice on the machine: the states it was run at, and the
-/// results.
+/// Runs of a choice on the machine: their states, and the results.
 #[derive(Clone, PartialEq, Default, Debug, Serialize)]
 pub struct Confirmation {
     /// States run cycle by cycle.
@@ -31,8 +30,7 @@ pub struct Confirmation {
     pub simulated_used: f64,
     /// Reason for a missing or failed simulation.
     pub remark: String,
-    /// No machine runs it: it was chosen by the cells of its arithmetic, and
-    /// each value has its own format.
+    /// No machine runs it: each value has its own format.
     pub is_for_other_hardware: bool,
 }
 
@@ -45,20 +43,17 @@ impl Confirmation {
 
 /// A program ready for the machine: placed, in its format.
 pub struct Ready {
-    /// The function, alone in its module: placed, or atomic where each value
-    /// has its own format.
+    /// The function alone: placed, or atomic where each value has its format.
     pub module: Module,
     /// The machine with its elements and format.
     pub machine: Machine,
 }
 
-/// Places a candidate; a program in which each value has its own format is
-/// unchanged.
+/// Places a candidate; a program with a format for each value is unchanged.
 ///
 /// # Errors
 ///
-/// Fails when it cannot be placed any more, which would be a mistake of the
-/// search.
+/// Fails when it cannot be placed any more, a mistake of the search.
 pub fn ready(
     task: &FitTask<'_>,
     program: &FitProgram,
@@ -126,8 +121,7 @@ pub fn confirm(
     Ok(confirmation)
 }
 
-/// Runs the memory images of a placed program: its cycles, and for each state
-/// the results in the order of the function's assignments.
+/// Runs the images of a placed program: cycles, and results by assignments.
 fn run(ready: &Ready, states: &[Vec<f64>]) -> Result<(u32, Vec<Vec<f64>>), String> {
     let placed: View<'_> = view(&ready.module);
     let mut files: Vec<(String, String)> = Vec::new();

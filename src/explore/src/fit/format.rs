@@ -1,6 +1,5 @@
-//! The narrowest formats that meet the tolerances, floating and fixed; the
-//! errors of a program in a format relative to the allowed ones, and the size
-//! of its numbers.
+//! The narrowest formats that meet the tolerances, floating and fixed; errors
+//! of a program in a format over the allowed ones, and the size of its numbers.
 
 use super::{FitError, FitProgram, FitTask};
 use crate::program::view;
@@ -18,8 +17,7 @@ pub(super) const WIDEST: u32 = 52;
 /// Bits of a number in fixed point at most, beside its sign.
 const MOST_FIXED: u32 = 53;
 
-/// A format with the errors of a program in it at the states of the
-/// validation.
+/// A format with a program's errors in it at the states of the validation.
 pub(super) type MeasuredFormat = (Format, FormatErrors);
 
 /// True for errors that use up a part of the tolerances at most.
@@ -27,8 +25,7 @@ pub(super) fn meets(measured: &FormatErrors, part: f64) -> bool {
     measured.errors.normwise.worst.is_finite() && measured.used() <= part
 }
 
-/// The yardsticks that a format is looked for at: the few states of the search
-/// and the many of the validation.
+/// The yardsticks of a format: few states of the search, many to validate.
 #[derive(Clone, Copy)]
 pub(super) struct FormatQuestion<'q> {
     pub(super) task: &'q FitTask<'q>,
@@ -38,9 +35,7 @@ pub(super) struct FormatQuestion<'q> {
 }
 
 impl FormatQuestion<'_> {
-    /// The formats that float a program is measured in: the narrowest that
-    /// meets the tolerances, if any does, and binary32, which every program
-    /// knows.
+    /// The formats that float: the narrowest that does, if any, and binary32.
     pub(super) fn floating(&self) -> Result<Vec<MeasuredFormat>, FitError> {
         let mut found = vec![(Format::BINARY32, self.validated(Format::BINARY32)?)];
         if self.program.model_share > self.task.sampled() {
@@ -98,8 +93,7 @@ impl FormatQuestion<'_> {
         Ok(None)
     }
 
-    /// The narrowest format of fixed point that meets the tolerances; why
-    /// there is none, in words.
+    /// The narrowest fixed point that meets the tolerances, or its absence.
     pub(super) fn fixed(&self) -> Result<Result<MeasuredFormat, String>, FitError> {
         if self.program.model_share > self.task.sampled() {
             return Ok(Err("its series are not exact enough".to_owned()));
@@ -122,8 +116,7 @@ impl FormatQuestion<'_> {
         )))
     }
 
-    /// The narrowest of formats that are numbered by their bits; `None` where
-    /// the widest is not sufficient.
+    /// The narrowest of formats by bits; `None` where the widest does not do.
     ///
     /// The bits are halved down at the few states of the search and then
     /// widened until they also hold at the many of the validation.
@@ -201,8 +194,7 @@ impl FormatErrors {
     }
 }
 
-/// For every state of a yardstick the largest ratio of an error to the allowed
-/// one, of results in the order of the program's assignments.
+/// For every state of a yardstick the largest ratio of an error to its limit.
 pub(super) fn shares(
     task: &FitTask<'_>,
     program: &FitProgram,
@@ -215,8 +207,7 @@ pub(super) fn shares(
     Ok(shares?)
 }
 
-/// The exponent of the largest number that a program meets at the yardstick's
-/// states: inputs, constants and every value on the way.
+/// Exponent of the largest number that a program meets at these states.
 pub(super) fn largest_exponent(
     program: &FitProgram,
     yardstick: &Yardstick,
@@ -236,13 +227,11 @@ pub(super) fn largest_exponent(
     Ok(largest.max(1.0).log2().ceil() as i32)
 }
 
-/// Margin for other states: the power of two by which their largest number may
-/// exceed that of the tested states.
+/// Margin for other states: the power of two by which they may be larger.
 const MARGIN: i32 = 2;
 
-/// The fewest bits of exponent whose largest number is above `2^exponent`,
-/// with a margin; at least 4, since fewer leave no normal numbers below one
-/// to speak of.
+/// The fewest bits of exponent whose largest number is above `2^exponent`, with
+/// a margin; at least 4: fewer leave hardly any normal number below one.
 pub(super) fn exponent_bits(exponent: i32) -> u32 {
     let holds = |bits: &u32| {
         let format = NumberFormat {

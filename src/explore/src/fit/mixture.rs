@@ -1,9 +1,8 @@
 //! A format for every value, by the pass `mixed`.
 //!
 //! The formats lie around the narrowest in which the program as a whole meets
-//! the tolerances: most values need less, a few need more. A machine's
-//! elements compute in one format, so that the result is for other hardware,
-//! and its cost is the cells of its arithmetic.
+//! the tolerances: most values need less, a few need more. Elements compute in
+//! one format, so the result is for other hardware, at the cost of its cells.
 
 use super::format::{FormatQuestion, MeasuredFormat, WIDEST, meets};
 use super::{FitError, FitProgram};
@@ -36,8 +35,7 @@ pub struct ValueMixture {
 }
 
 /// A program with formats for its values, measured, from one that meets the
-/// tolerances in a single format, or from a mixture that failed; `None` where
-/// there is none.
+/// tolerances in a single format or from a failed mixture, if there is one.
 pub(super) fn mixture(
     question: &FormatQuestion<'_>,
     (base, around): (usize, Format),
@@ -94,7 +92,6 @@ pub(super) fn mixture(
     Ok(None)
 }
 
-/// A scene that allows a part of the errors.
 fn stricter(scene: &Scene, part: f64) -> Scene {
     let mut scene = scene.clone();
     for tolerance in scene

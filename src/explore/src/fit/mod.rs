@@ -18,9 +18,8 @@
 //! 5. elements ([`size`]): the fewest that meet the deadline, and more of
 //!    them for the front.
 //!
-//! The result is a list of candidates with time, error and cost, the cheapest
-//! ([`CostMeasure`]) that meets everything, and the Pareto front in time, share
-//! of the device and error.
+//! The result is candidates with time, error and cost, the cheapest of them
+//! ([`CostMeasure`]) that meets all, and the Pareto front.
 //!
 //! The cheapest is then *challenged* ([`challenge`]): tried at many new states,
 //! and at states found by a search from the worst of them. Where it fails,
@@ -44,21 +43,19 @@ pub mod confirm;
 mod format;
 mod mixture;
 mod motion;
-pub mod page;
 mod search;
 mod series;
 mod size;
-mod sources;
 pub mod text;
 mod units;
 mod variants;
 
 pub use bound::FitBound;
+pub use bound::FitSources;
 pub use challenge::Challenge;
 pub use mixture::ValueMixture;
 pub use motion::{EnergyDrift, MotionShare, MotionTolerance};
 pub use series::{SinePlace, SineTreatment};
-pub use sources::FitSources;
 
 use crate::ExplorationProgress;
 use crate::device::DeviceShare;
@@ -78,8 +75,7 @@ use std::sync::Arc;
 /// Maximum number of steps of motions, all choices together.
 const MOTION_STEPS: u64 = 2_000_000;
 
-/// The part of a tolerance that the largest error found may use, as a safety
-/// margin for states not tested.
+/// Part of a tolerance that found errors may use, a margin for other states.
 const ACCEPTED: f64 = 0.8;
 
 /// The same where errors are relative to the output itself: they are largest
@@ -88,28 +84,25 @@ const ACCEPTED: f64 = 0.8;
 const ACCEPTED_RELATIVE: f64 = 0.5;
 
 /// Share of what is accepted that errors at the states of the search and of the
-/// validation may use: other states have other worst cases, and a challenge
-/// that fails costs more than a bit.
+/// validation may use: others are worse, and a failed challenge costs more.
 const SAMPLED: f64 = 0.875;
 
-/// Share of what is accepted that a series may use; the rest is for rounding,
-/// whose format is chosen afterwards.
+/// Share of what is accepted that a series may use, before rounding.
 const SERIES: f64 = 0.625;
 
 /// Relative uncertainty of estimated costs; smaller differences are ties.
 const UNCERTAINTY: f64 = 0.05;
 
 /// Measure of the cheapest.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum CostMeasure {
-    /// The share of the device that the machine takes, as robovec builds it:
-    /// all its elements compute in one format that floats.
+    /// The share of the device that the machine takes, with one floating-point
+    /// format.
     #[default]
     Device,
-    /// The cells of the program's arithmetic ([`robovec_ir::cost`]), for
-    /// hardware that is built otherwise: fixed point and formats of single
-    /// values may be chosen.
+    /// The cells of the arithmetic, for custom hardware: fixed point, or a
+    /// format for each value, may be chosen.
     Cells,
 }
 
@@ -117,11 +110,9 @@ pub enum CostMeasure {
 pub struct FitTask<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The general function of the scene, alone in its module, the reference
-    /// for all measurements.
+    /// The general function of the scene, alone in its module, the reference.
     pub general: &'a Module,
-    /// The general function in every formulation that is to be tried, each
-    /// alone in its module.
+    /// The general function in every formulation to try, each in its module.
     pub formulations: Vec<(Formulation, Module)>,
     /// The machine whose elements, memories and clock are used.
     pub machine: &'a Machine,
@@ -129,13 +120,11 @@ pub struct FitTask<'a> {
     pub trigonometry: SinePlace,
     /// Measure of the cheapest.
     pub cost: CostMeasure,
-    /// The usual sizes of the general function's arrays, by which errors are
-    /// measured where the arrays vanish.
+    /// The usual sizes of arrays, by which errors are measured at zeros.
     pub sizes: ArraySizes,
     /// Random states of the search; the validation takes four times as many.
     pub states: u32,
-    /// The seed of the states of the search; validation and challenges take
-    /// the next ones.
+    /// Seed of the states of the search; validation and challenges take others.
     pub seed: u64,
     /// Number of times the usual number of states a choice is challenged with.
     pub effort: u32,
@@ -152,6 +141,13 @@ impl FitTask<'_> {
             ACCEPTED_RELATIVE
         } else {
             ACCEPTED
+        }
+    }
+
+    fn cost_of(&self, candidate: &FitCandidate) -> f64 {
+        match self.cost {
+            CostMeasure::Device => candidate.share,
+            CostMeasure::Cells => candidate.cells,
         }
     }
 
@@ -180,8 +176,7 @@ pub struct FitProgram {
     /// One function, at the atomic level.
     pub module: Arc<Module>,
     /// The largest error in binary64 over its tolerance, at the states of the
-    /// search: that of series and other approximations, for which binary64's
-    /// own rounding is negligible.
+    /// search: that of approximations, beside which its rounding is nothing.
     pub model_share: f64,
     /// The formats of its values, where each has its own.
     pub mixture: Option<ValueMixture>,
@@ -208,14 +203,12 @@ pub struct FitCandidate {
     pub clock: MachineClock,
     /// The time at that clock, µs.
     pub microseconds: f64,
-    /// Errors at the states of the validation, approximations and rounding
-    /// together, relative to each element.
+    /// Errors at the states of the validation, relative to each element.
     pub relative: ErrorSpread,
     /// The same errors, relative to the largest element of the array.
     pub normwise: ErrorSpread,
     /// The largest error over its tolerance: at most 1 when all are met; 0
-    /// when the scene has no tolerances. States that broke another choice
-    /// count as well.
+    /// without tolerances. States that broke another choice count as well.
     pub used: f64,
     /// Resources of the device that it takes, estimated.
     pub resources: DeviceShare,
@@ -223,11 +216,9 @@ pub struct FitCandidate {
     pub share: f64,
     /// Cells of its arithmetic ([`robovec_ir::cost::function_cost`]).
     pub cells: f64,
-    /// Reason why it cannot be chosen, for any error and cost; empty when it
-    /// can.
+    /// Reason why it cannot be chosen at any error and cost; else empty.
     pub remark: String,
-    /// It can be chosen, tolerances and deadline are met, and the device has
-    /// room.
+    /// It can be chosen, meets tolerances and deadline, and fits the device.
     pub meets: bool,
 }
 
@@ -278,8 +269,7 @@ impl From<Unmeasurable> for FitError {
     }
 }
 
-/// Searches programs, formats and numbers of elements for a scene, and measures
-/// each; reports each trial to `progress`.
+/// Searches programs, formats and elements for a scene; reports `progress`.
 ///
 /// # Errors
 ///
@@ -335,10 +325,7 @@ pub fn fit(task: &FitTask<'_>, progress: ExplorationProgress<'_>) -> Result<FitO
 /// Of the candidates that meet the scene, and among the cheapest within the
 /// uncertainty of costs, the fastest, then the most exact, then the cheapest.
 fn cheapest(task: &FitTask<'_>, candidates: &[FitCandidate]) -> Option<usize> {
-    let cost = |candidate: &FitCandidate| match task.cost {
-        CostMeasure::Device => candidate.share,
-        CostMeasure::Cells => candidate.cells,
-    };
+    let cost = |candidate: &FitCandidate| task.cost_of(candidate);
     let eligible = || {
         let all = candidates.iter().enumerate();
         all.filter(|(_, candidate)| candidate.meets)

@@ -1,5 +1,4 @@
-//! The error of a program over time: a motion with it beside the same motion in
-//! binary64.
+//! The error of a program over time: a motion with it beside one in binary64.
 
 use crate::scene::{SceneFile, SceneMotion, SceneSubject, WatchedJoints};
 use robovec_dynamics::motion::{
@@ -12,8 +11,7 @@ use robovec_robotran::FunctionKind;
 /// Samples of a motion that are compared.
 const SAMPLES: u32 = 500;
 
-/// Steps from one sample to the next, at first. Both motions take the same
-/// steps, so that they differ only by rounding.
+/// Steps between samples at first, the same ones for both motions.
 const STEPS: u32 = 4;
 
 /// Maximum number of steps of a motion, for every choice.
@@ -47,8 +45,7 @@ pub struct MotionShare {
     pub steps: u64,
 }
 
-/// The change of energy that no work explains, relative to the largest kinetic
-/// energy.
+/// Change of energy that no work explains, relative to the largest kinetic one.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
 pub struct EnergyDrift {
     /// The largest in the motion; infinite where the motion fails.
@@ -81,12 +78,7 @@ fn drift(run: &SimulationRun) -> f64 {
 }
 
 impl<'a> MotionTolerance<'a> {
-    /// Integrates a scene's motion in binary64; `None` where the scene has
-    /// none, or needs no moving quantity.
-    ///
-    /// # Errors
-    ///
-    /// See [`MotionError`].
+    /// Integrates a scene's motion in binary64, if it has one that moves.
     pub fn new(
         file: &'a SceneFile,
         laws: Laws,

@@ -17,8 +17,7 @@ use robovec_ir::count::Counts;
 use robovec_num::{FixedFormat, NumberFormat};
 use robovec_schedule::PlaceError;
 
-/// Number of states of the validation relative to those of the search: a search
-/// measures often and can afford few.
+/// Number of states of the validation relative to those of the search.
 pub(super) const VALIDATION_FACTOR: u32 = 4;
 
 /// Number of the cheapest programs tried with sums that round less.
@@ -33,14 +32,12 @@ const UNITS: usize = 1;
 /// Bits that another program may do without over time.
 const SPARED: u32 = 2;
 
-/// Programs with the formats and sizes they are tried in, and the states they
-/// are measured at.
+/// Programs with their formats and sizes, and the states they are measured at.
 pub(super) struct FitSearch<'t, 'a> {
     task: &'t FitTask<'a>,
     search: Yardstick,
     validation: Yardstick,
     pub(super) programs: Vec<FitProgram>,
-    /// For every program its machines.
     sizes: Vec<Vec<size::SizedMachine>>,
     /// For every program its formats with the errors at the validation.
     formats: Vec<Vec<MeasuredFormat>>,
@@ -125,8 +122,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
     }
 
     /// The programs that meet the tolerances with the fewest cells of
-    /// arithmetic in a format that floats, with that format, the cheapest
-    /// first.
+    /// arithmetic in a floating format, with that format, the cheapest first.
     fn leading(&self, count: usize) -> Vec<(usize, Format)> {
         let mut leading: Vec<(f64, usize, Format)> = Vec::new();
         for (index, program) in self.programs.iter().enumerate() {
@@ -163,8 +159,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Tests whether a single evaluation can be judged: a scene that only
-    /// limits errors over time judges a program by a run alone.
+    /// Tests whether single evaluations are judged, and not only runs.
     fn judges(&self) -> bool {
         let mut needs = self.task.scene.outputs.iter();
         self.task.cost == CostMeasure::Cells || needs.any(|need| need.tolerance.is_some())
@@ -256,8 +251,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         named.next().expect("a candidate has one of the formats").0
     }
 
-    /// Adds states at which a program failed to those that programs are
-    /// measured at, and widens the format of that program.
+    /// Adds states at which a program failed, and widens its format.
     pub(super) fn learn(&mut self, failed: usize, states: Vec<Vec<f64>>) -> Result<(), FitError> {
         let news = Yardstick::at(view(self.task.general), states.clone());
         self.search.extend(view(self.task.general), states.clone());
@@ -282,8 +276,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Formats for the values of a program again, with more digits than those
-    /// that failed; none when there are no more to try.
+    /// Formats for the values of a program again, with more digits, if any.
     fn mix_again(&mut self, failed: usize) -> Result<(), FitError> {
         let Some(old) = self.programs[failed].mixture.clone() else {
             return Ok(());
@@ -298,10 +291,9 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Refuses a format of a program for its error over time, given as a
-    /// multiple of the allowed one: the corresponding number of additional bits
-    /// is tried next. Other programs err as their formats do, and need nearly
-    /// as many.
+    /// Refuses a format of a program for its error over time, a multiple of the
+    /// allowed one: as many more bits as that takes are tried next. Other
+    /// programs err as their formats do, and need nearly as many.
     pub(super) fn widen(
         &mut self,
         program: usize,
@@ -327,8 +319,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         Ok(())
     }
 
-    /// Excludes, for a program, the formats of a kind (fixed or floating) with
-    /// fewer than `least` bits, and adds one with `least` bits.
+    /// Excludes formats of a kind with fewer than `least` bits, and adds one.
     fn at_least(&mut self, program: usize, kind: Format, least: u32) -> Result<(), FitError> {
         let mut narrow = None;
         for (format, errors) in &mut self.formats[program] {
@@ -389,8 +380,7 @@ impl<'t, 'a> FitSearch<'t, 'a> {
         })
     }
 
-    /// The units that could compute the sines and cosines of a choice, where a
-    /// host does: they cost the machine as much, and err more.
+    /// Units for the sines and cosines of a choice, which err more than a host.
     fn units_instead(
         &mut self,
         (index, format): (usize, Format),
@@ -432,15 +422,13 @@ fn bits(format: Format) -> u32 {
     }
 }
 
-/// The general function's exact results at random states of the scene, which
-/// errors are measured against.
+/// Exact results at random states of the scene, to measure errors against.
 fn yardstick(task: &FitTask<'_>, states: u32, seed: u64) -> Yardstick {
     let source = task.scene.states(seed);
     Yardstick::new(view(task.general), &source, states)
 }
 
-/// Reason why a program in a format cannot be chosen, for any error and cost;
-/// empty when it can.
+/// Reason why a program in a format cannot be chosen; empty when it can.
 fn remark(task: &FitTask<'_>, program: &FitProgram, format: Format) -> String {
     if let Some(excluded) = &program.excluded {
         return excluded.clone();
@@ -463,8 +451,7 @@ fn remark(task: &FitTask<'_>, program: &FitProgram, format: Format) -> String {
     }
 }
 
-/// Cost and error of a program, with its index and its longest chain, in a
-/// format on a machine it is placed on.
+/// Cost and error of a program in a format on a machine it is placed on.
 fn candidate(
     task: &FitTask<'_>,
     (index, program, path): (usize, &FitProgram, u32),
@@ -503,8 +490,7 @@ fn candidate(
         meets: remark.is_empty()
             && in_time
             && used <= task.accepted()
-            // Infinite when a result was not finite, which a scene without
-            // tolerances would let pass.
+            // A scene without tolerances would let infinite results pass.
             && errors.normwise.worst.is_finite()
             && share <= 1.0,
         remark,

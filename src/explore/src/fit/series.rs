@@ -1,5 +1,4 @@
-//! Sines and cosines on the elements: of each method the smallest order whose
-//! error leaves room for rounding.
+//! Sines and cosines on the elements: of each method the smallest order.
 
 use super::format::FormatErrors;
 use super::{FitError, FitProgram, FitTask};
@@ -13,13 +12,13 @@ use std::fmt;
 use std::sync::Arc;
 
 /// Place where sines and cosines are computed.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum SinePlace {
-    /// Before the run, exactly except for one rounding.
+    /// Before the run.
     #[default]
     Host,
-    /// Before the run, by a unit that adds an error.
+    /// Before the run, by a unit with an error: a polynomial, a table or CORDIC.
     Unit,
     /// By the elements, as series.
     Elements,
@@ -64,15 +63,13 @@ impl fmt::Display for SineTreatment {
     }
 }
 
-/// Orders that are tried.
 const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
 
 /// Passes after a series: its products shared with others, its sums in time.
 const BEHIND: &str = "fold{inexact},zero-removal,balance,cse,dce";
 
-/// Writes sines and cosines as series on request: every program becomes one per
-/// method and order, up to the first order that is exact enough. Programs
-/// without sines and cosines are unchanged.
+/// Writes sines and cosines as series on request: a program with sines becomes
+/// one per method and order, up to the first that is exact enough.
 pub(super) fn write(
     task: &FitTask<'_>,
     yardstick: &Yardstick,
@@ -104,8 +101,7 @@ pub(super) fn write(
     Ok(())
 }
 
-/// The program with the fewest operations whose sines and cosines a host would
-/// compute, to show the gain of a host.
+/// The shortest program whose sines and cosines a host would compute.
 fn shortest_with_sines(programs: &[FitProgram]) -> Option<FitProgram> {
     let with_sines = programs.iter().filter(|program| program.has_sines());
     let shortest = with_sines.min_by_key(|program| program.module.functions[0].nodes().len());

@@ -17,7 +17,6 @@ const MOST: u32 = 64;
 pub(super) struct SizedMachine {
     /// Elements that add, and that multiply.
     pub(super) elements: [u32; 2],
-    /// Length of the schedule.
     pub(super) cycles: u32,
     /// The maximum number of words of memory in one element.
     pub(super) words: u32,
@@ -36,8 +35,7 @@ impl SizedMachine {
 }
 
 /// Figures that were computed before. Whenever a choice fails, all candidates
-/// are compared again; their errors have changed by then, their machines have
-/// not.
+/// are compared again, with other errors on the same machines.
 #[derive(Default)]
 pub(super) struct KnownFigures(HashMap<(SizedMachine, Format), MachineFigures>);
 
@@ -98,8 +96,7 @@ pub(super) fn sizes(
     }
 }
 
-/// Sizes with more elements of the kind with more work, where that schedule is
-/// shorter than with the same number of the other kind.
+/// Sizes with more elements of the busier kind, where that is shorter.
 fn uneven(task: &FitTask<'_>, program: &FitProgram, even: &[SizedMachine]) -> Vec<SizedMachine> {
     let counts = Counts::of(&program.module.functions[0]);
     let adds = counts.add_sub > counts.mul;

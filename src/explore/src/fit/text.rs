@@ -1,19 +1,20 @@
 //! Result of a search as text, table and figure.
 
-use super::answer;
 use super::confirm::Confirmation;
-use super::{FitCandidate, FitOutcome, FitTask, SineTreatment};
-use crate::captions;
-use crate::front::STEPS;
-use crate::pareto;
+use super::{FitCandidate, FitOutcome, FitTask, SineTreatment, answer};
+use crate::exploration::scene_subtitle;
+use crate::front::{STEPS, front_curve};
 use crate::program::{depending, view};
+use crate::{captions, pareto};
 use robovec_error::yardstick::account::ERROR_HEADS;
 use robovec_num::trigonometry::host::TrigonometricUnit;
+use robovec_present::json::json_script;
 use robovec_present::number::{exponential, or_nothing, share_percent};
+use robovec_present::page::{self, PointsPage};
 use robovec_present::text::{headed, labelled, thinned};
 use robovec_present::{
-    AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, MarkFill, MarkZone, Paint,
-    Panel, PlotAxis, Stroke, columns,
+    AxisScale, ColumnList, Curve, DataTable, Digits, Figure, Mark, MarkFill, MarkZone, Panel,
+    PlotAxis, Stroke, columns,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -71,8 +72,7 @@ pub(super) fn details(outcome: &FitOutcome) -> String {
     )
 }
 
-/// The front of time, error and cost, each row once, the fastest first, at most
-/// this number of rows.
+/// The front of time, error and cost, fastest first, at most `most` rows.
 fn short_table(outcome: &FitOutcome, most: usize) -> String {
     let mut rows: Vec<usize> = Vec::new();
     let figures = |index: usize| {
@@ -182,9 +182,8 @@ fn units(outcome: &FitOutcome) -> String {
     text
 }
 
-/// Candidates that cannot be chosen at any cost: of every reason the cheapest
-/// that keeps the tolerances, by the cells of its arithmetic; and those that
-/// could not be tried.
+/// Candidates that cannot be chosen at any cost: of every reason the one of
+/// fewest cells that keeps the tolerances; and those that could not be tried.
 fn excluded(outcome: &FitOutcome) -> String {
     let mut best: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, candidate) in outcome.candidates.iter().enumerate() {
@@ -293,13 +292,7 @@ pub fn figure(task: &FitTask<'_>, outcome: &FitOutcome) -> Figure {
             let mark = mark(index);
             (index, [mark.x, mark.y])
         });
-        let front = pareto::steps(plane).into_iter().map(mark);
-        let mut curves = vec![Curve::new(
-            "front",
-            Paint::Distinct(0),
-            Stroke::Steps,
-            front,
-        )];
+        let mut curves = vec![front_curve(pareto::steps(plane).into_iter().map(mark))];
         for (place, name) in KINDS.into_iter().enumerate() {
             let own = |index: &usize| kind(outcome, &outcome.candidates[*index]) == name;
             curves.push(Curve::points(
@@ -339,4 +332,28 @@ pub fn figure(task: &FitTask<'_>, outcome: &FitOutcome) -> Figure {
     captions::figure("fit", "fit", &words, panels)
         .expect("it has panels")
         .with_note(Stroke::Steps, STEPS)
+}
+
+/// The page of a search.
+pub fn page(
+    task: &FitTask<'_>,
+    outcome: &FitOutcome,
+    confirmation: Option<&Confirmation>,
+) -> String {
+    let lines = answer::lines(task, outcome, confirmation);
+    let page = PointsPage {
+        title: format!("Scene {}", task.scene.name),
+        subtitle: scene_subtitle(task.scene, task.machine),
+        figures: page::card(&answer::headline(task, outcome), &lines)
+            + &page::figure(&figure(task, outcome)),
+        points: "All candidates",
+        tables: page::table(&candidates_table(outcome), "fit.csv")
+            + &page::lines("Excluded, and the front", &details(outcome)),
+        method: &page::fill(
+            include_str!("method.html"),
+            &[("device", &task.machine.device.device().name)],
+        ),
+        data: json_script(&outcome.candidates),
+    };
+    page.to_html()
 }

@@ -12,15 +12,13 @@ use robovec_ir::Format;
 use robovec_num::trigonometry::host::{Implementation, TrigonometricUnit};
 use std::sync::Arc;
 
-/// Guard bits of a unit: bits after the point, beyond those of the significand
-/// of its results' format.
+/// Guard bits of a unit: bits after the point beyond its results' significand.
 const GUARDS: [u32; 3] = [1, 4, 8];
 
 /// Orders of polynomials, and of those that follow a table.
 const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
 const DEGREES: [u32; 4] = [1, 2, 3, 5];
 
-/// Entries of tables.
 const ENTRIES: [u32; 4] = [16, 64, 256, 1024];
 
 /// The cheapest unit of every method with which a program in a format uses up a
@@ -52,8 +50,7 @@ pub(super) fn units(
     Ok(found.into_iter().map(|(_, made)| made).collect())
 }
 
-/// For every method its implementations with this number of bits, the cheapest
-/// first.
+/// For every method its implementations of some bits, the cheapest first.
 fn methods() -> [fn(u32) -> Vec<Implementation>; 3] {
     let polynomial: fn(u32) -> Vec<Implementation> = |bits| {
         let orders = ORDERS.into_iter();
@@ -82,8 +79,7 @@ fn methods() -> [fn(u32) -> Vec<Implementation>; 3] {
     [polynomial, table, cordic]
 }
 
-/// A program whose sines and cosines a unit computes, measured; `None` where
-/// the errors are too large.
+/// A program with sines by a unit, measured; `None` if its errors are large.
 fn unit(
     question: &FormatQuestion<'_>,
     implementation: Implementation,

@@ -1,5 +1,4 @@
-//! The programs: every formulation specialised, with the equations as short
-//! or as few as the passes make them.
+//! The programs: every formulation specialised, short or of few operations.
 
 use super::format::FormatErrors;
 use super::{FitError, FitProgram, FitTask, SineTreatment};
@@ -16,15 +15,13 @@ use robovec_ir::{Format, Module};
 use robovec_passes::optimise::steps;
 use std::sync::Arc;
 
-/// Numbers of adders and multipliers that programs are searched for: few
-/// operations, short paths, and between the two.
+/// Adders and multipliers that programs are searched for: few, many, between.
 const SEARCHED: [[u32; 2]; 3] = [[1, 1], [4, 4], [16, 16]];
 
 /// Passes for the fewest operations, for chains of any length.
 const FACTORED: &str = "dce{order=outputs},fold,cse,factor-trig{path=free},cse,dce";
 
-/// Sums that round less, in the time and with the operations of two programs:
-/// a bit that a format may be narrower by is cheaper than cycles.
+/// Sums that round less, for more time, which costs less than a bit.
 const ACCURATE: &str = "accurate{growth=100 slack=100}";
 
 /// Passes that compute the constants other passes have made.
@@ -99,8 +96,7 @@ pub(super) fn programs(
     Ok(programs)
 }
 
-/// A program with sums of smaller rounding error; `None` where there is no
-/// change.
+/// A program with sums of smaller rounding error; `None` without a change.
 pub(super) fn accurate(task: &FitTask<'_>, program: &FitProgram) -> Option<FitProgram> {
     // The pass gives up on what has no sums, or formats of its own.
     let module = transformed_by(&program.module, ACCURATE, task.machine, Some(task.scene)).ok()?;
@@ -112,8 +108,7 @@ pub(super) fn accurate(task: &FitTask<'_>, program: &FitProgram) -> Option<FitPr
     })
 }
 
-/// Computes the constants that regrouping has brought together: no format need
-/// hold them exactly, as every error is measured.
+/// Computes the constants that regrouping has brought together.
 fn fold(task: &FitTask<'_>, program: &mut FitProgram) -> Result<(), ExplorationError> {
     let folded = transformed_by(&program.module, FOLDED, task.machine, Some(task.scene))?;
     let operations = |module: &Module| Counts::of(&module.functions[0]).operations;

@@ -16,8 +16,7 @@ pub(super) struct PlaceAnswer {
     pub(super) place: usize,
     /// The fastest choice of the thesis, the most exact of equally fast ones.
     pub(super) thesis: usize,
-    /// The fastest of ours with no larger worst error and no larger share of
-    /// the device, and better in one of the three.
+    /// The fastest of ours that is worse nowhere, and better somewhere.
     pub(super) best: Option<usize>,
 }
 
@@ -45,8 +44,7 @@ impl Front {
         [self.cycles(index, place), error]
     }
 
-    /// Pareto front of cycles and worst error, the fastest point first, without
-    /// duplicates.
+    /// Pareto front of cycles and worst error, fastest first, no duplicates.
     pub(super) fn steps(&self, place: usize) -> Vec<usize> {
         let points = 0..self.points.len();
         pareto::steps(points.map(|index| (index, self.plane(index, place))))
@@ -83,8 +81,7 @@ impl Front {
         places.filter_map(|place| self.answer(place)).collect()
     }
 
-    /// Points whose largest errors are searched for: those that an answer
-    /// compares and the steps, of all numbers of elements.
+    /// Points whose largest errors are searched for: answers and steps.
     pub(super) fn searched(&self) -> BTreeSet<usize> {
         let compared = self.answers().into_iter();
         let compared = compared.flat_map(|answer| [Some(answer.thesis), answer.best]);
@@ -99,7 +96,6 @@ impl Front {
         answers.max_by(|a, b| a.gain(self).total_cmp(&b.gain(self)))
     }
 
-    /// The gain in one line.
     pub(super) fn gain_text(&self) -> String {
         let Some(answer) = self.headlined() else {
             return "no choice of the thesis fits on the machine".to_owned();

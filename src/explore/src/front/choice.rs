@@ -17,8 +17,7 @@ pub(super) struct FrontChoice {
     pub(super) name: String,
     /// True for a choice of the thesis.
     pub(super) thesis: bool,
-    /// Another formulation of the equations, made from the model; the
-    /// equations as they came for `None`.
+    /// Another formulation of the equations; `None` for those that came.
     pub(super) formulation: Option<Formulation>,
     /// Passes, in stages that other choices may share from the start on.
     pub(super) stages: Vec<String>,
@@ -26,7 +25,6 @@ pub(super) struct FrontChoice {
     pub(super) formats: Vec<Format>,
 }
 
-/// The list of choices.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ChoiceFile {
@@ -40,8 +38,7 @@ struct ChoiceFile {
 struct ChoiceEntry {
     name: String,
     stages: Vec<String>,
-    /// True for choices that take long, false for those that replace them in
-    /// large functions.
+    /// True for choices that take long, false for those in their place.
     slow: Option<bool>,
 }
 
@@ -83,10 +80,9 @@ fn stage(text: &str, angle: f64) -> String {
     found.map_or(text.to_owned(), |(_, passes)| passes)
 }
 
-/// All choices of a list for a function of this number of operations: those of the
-/// thesis, ours from the equations, and, where there is a model, from its other
-/// formulations. Angles up to `angle` (rad) are covered by the series that the elements
-/// compute.
+/// All choices of a list for a function of this number of operations: the
+/// thesis', ours from the equations, and from other formulations. Angles up to
+/// `angle` (rad) are covered by the series that the elements compute.
 pub(super) fn listed(
     operations: usize,
     formulations: &[Formulation],

@@ -37,28 +37,21 @@ pub struct FrontPoint {
     /// elements, with memories for this program: the largest of its shares,
     /// estimated ([`device::DeviceShare::share`]).
     pub shares: Vec<Option<f64>>,
-    /// Time of one call on one core of this computer, ns; `None` when it was
-    /// not measured.
+    /// Time of a call on one core of this computer, ns; `None` if not measured.
     pub cpu_ns: Option<f64>,
-    /// Errors relative to the element, everything included: series and
-    /// rounding.
+    /// Errors relative to the element, of series and rounding.
     pub relative: ErrorSpread,
     /// Errors over the largest element of the array.
     pub normwise: ErrorSpread,
     /// The output with the largest normwise error, and the state.
     pub worst: (String, usize),
-    /// Largest normwise error that a directed search finds, with the rounding
-    /// of real-valued inputs; `None` for points that others beat in cycles and
-    /// worst error.
+    /// Largest normwise error that a directed search finds, with real-valued
+    /// inputs rounded; `None` for points that others beat in cycles and error.
     #[serde(default)]
     pub found: Option<f64>,
 }
 
-/// Measures a program in each of the choice's formats.
-///
-/// # Errors
-///
-/// Fails when program and yardstick do not fit.
+/// Measures a program in all of the choice's formats, if it fits the yardstick.
 pub(super) fn measure(
     choice: &FrontChoice,
     module: &Module,
@@ -109,8 +102,7 @@ pub(super) fn measure(
     choice.formats.iter().map(point).collect()
 }
 
-/// Times a program on this computer, in the formats of C. Without a compiler
-/// there are no times.
+/// Times a program on this computer, in the formats of C, if it can.
 pub(super) fn time(module: &Module, points: &mut [FrontPoint]) {
     for point in points {
         let real = match point.format.as_str() {

@@ -1,5 +1,4 @@
-//! Speed against error: every way to compute a function as a point, and the
-//! points that no other one beats.
+//! Speed against error: ways to compute a function, and the best of them.
 //!
 //! A point has a time (cycles on a machine with this number of elements), an
 //! error (everything included: series, rounding, data that the format cannot
@@ -14,7 +13,7 @@ mod measure;
 mod text;
 
 pub use measure::FrontPoint;
-pub(crate) use text::STEPS;
+pub(crate) use text::{STEPS, front_curve};
 
 use crate::exploration::{Explored, ExploredFunction};
 use crate::pareto::{self, EqualPoints};
@@ -87,9 +86,8 @@ pub struct FrontVerdict {
     pub in_its_format: Option<usize>,
 }
 
-/// Measures all choices for a function, or those of a share; results kept from
-/// earlier runs are read, new ones are kept. Each choice is reported to
-/// `progress` before it is measured.
+/// Measures all choices for a function, or those of a share; results kept are
+/// read, new ones kept. Each choice is reported to `progress` first.
 ///
 /// # Errors
 ///
@@ -161,8 +159,7 @@ pub fn front(
     Ok(Explored::Whole(front))
 }
 
-/// The choices of the thesis, and those of robovec: a list, and the results of
-/// `robovec optimise` for the numbers of elements.
+/// The choices of the thesis, and ours: a list, and programs searched for.
 fn choices(
     function: &ExploredFunction,
     question: &FrontQuestion<'_>,
@@ -180,8 +177,7 @@ fn choices(
     Ok(choices)
 }
 
-/// The keys of the points of choices: hashes of all their dependences; `None`
-/// without a store.
+/// Keys of the points of choices: hashes of their dependences, with a store.
 fn keys(
     function: &ExploredFunction,
     question: &FrontQuestion<'_>,
@@ -212,8 +208,7 @@ fn keys(
 }
 
 /// Leaves out formulations that read inputs which the function does not have,
-/// with the reason: one may read a length that the result does not depend on,
-/// and the states hold no value for it.
+/// with the reason: one may read a length without effect.
 fn leave_out(
     yardstick: &Yardstick,
     others: &mut Vec<(Formulation, Module)>,

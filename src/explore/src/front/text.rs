@@ -17,8 +17,7 @@ use robovec_present::{
 };
 use std::fmt::Write;
 
-/// State of a point with a number of elements: on the front, dominated, or not
-/// possible.
+/// State of a point with some elements: on the front, dominated, or impossible.
 fn standing(front: &Front, index: usize, elements: usize, undominated: &[usize]) -> String {
     if front.points[index].cycles[elements].is_none() {
         return "does not fit".to_owned();
@@ -101,8 +100,7 @@ fn order(front: &Front, elements: usize) -> Vec<usize> {
     order
 }
 
-/// A choice of the thesis with the choice of robovec that dominates it, and the
-/// one in the same format.
+/// A choice of the thesis, and ours that dominate it: the best, and alike.
 struct VerdictRow<'a> {
     front: &'a Front,
     place: usize,
@@ -171,8 +169,6 @@ impl Exploration for Front {
         self.evidence()
     }
 
-    /// The front of cycles and worst error for the headline's number of
-    /// elements, with both points that the headline compares.
     fn short_table(&self) -> String {
         let Some(answer) = self.headlined() else {
             return String::new();
@@ -210,7 +206,6 @@ impl Exploration for Front {
         list.text(&rows)
     }
 
-    /// One table per number of elements.
     fn details(&self) -> String {
         let mut text = format!("{} as they came\n", counted(self.operations, "operation"));
         for (place, count) in self.elements.iter().enumerate() {
@@ -239,7 +234,6 @@ impl Exploration for Front {
         }
     }
 
-    /// One panel per function and number of elements: cycles against error.
     fn figure(fronts: &[Front]) -> Figure {
         let panels = fronts.iter();
         let panels = panels.flat_map(|front| {
@@ -276,14 +270,17 @@ impl Exploration for Front {
 /// Caption of the front where it has steps.
 pub(crate) const STEPS: &str = "The steps connect the points that no other beats in both.";
 
+pub(crate) fn front_curve(marks: impl IntoIterator<Item = Mark>) -> Curve {
+    Curve::new("front", Paint::Distinct(0), Stroke::Steps, marks)
+}
+
 /// Maximum number of rows on the terminal.
 const SHOWN: usize = 10;
 /// Maximum number of characters of a choice there.
 const CHOICE: usize = 24;
 
 /// Cycles against worst error with a number of elements: the front as steps, a
-/// colour and marker for every format, and both points that the answer
-/// compares.
+/// colour and marker for every format, and the answer's points.
 fn panel(front: &Front, place: usize) -> Panel {
     let mark = |index: usize| {
         let point = &front.points[index];
@@ -291,12 +288,7 @@ fn panel(front: &Front, place: usize) -> Panel {
         Some(Mark::at(f64::from(cycles), point.normwise.worst.min(1e9)))
     };
     let steps = front.steps(place).into_iter().filter_map(mark);
-    let mut curves = vec![Curve::new(
-        "front",
-        Paint::Distinct(0),
-        Stroke::Steps,
-        steps,
-    )];
+    let mut curves = vec![front_curve(steps)];
     let mut group = |label: &str, colour, is_in: &dyn Fn(&FrontPoint) -> bool| {
         let indices = 0..front.points.len();
         let own = indices.filter(|&index| is_in(&front.points[index]));

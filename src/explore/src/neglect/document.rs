@@ -1,7 +1,6 @@
 //! The scene with parts left out, as the text of a scene file.
 //!
-//! The scene read back from this text is the one that is measured, so that the
-//! written file is the one that was judged.
+//! The scene read back from this text is measured: the one that is written.
 
 use super::search::NeglectFindings;
 use robovec_dynamics::motion::Laws;
@@ -17,8 +16,7 @@ pub(super) struct SceneTable {
     motion: Table,
 }
 
-/// Arrays with the states of the full model, elements of which a scene may bind
-/// to leave parts out.
+/// Arrays of the full model's states, which scenes bind to leave parts out.
 const STATE: [&str; 5] = ["q", "qd", "Qq", "frc", "trq"];
 
 impl SceneTable {
@@ -33,8 +31,7 @@ impl SceneTable {
         SceneTable { table, motion }
     }
 
-    /// The scene without its own omissions: no joint is locked, no angle small,
-    /// no state and no force a number.
+    /// The scene without its own omissions: nothing locked, small or known.
     pub(super) fn full(&self) -> SceneTable {
         let mut full = self.clone();
         full.table.remove("locked");
@@ -49,18 +46,15 @@ impl SceneTable {
         full
     }
 
-    /// The text of the file.
     pub(super) fn text(&self) -> String {
         toml::to_string(&self.table).expect("a table that was read can be written")
     }
 
-    /// Sets a key of the file to a text.
     pub(super) fn set(&mut self, key: &str, text: String) {
         self.table.insert(key.to_owned(), Value::String(text));
     }
 
-    /// Restores the motion of the file: with its own laws, the rest of the
-    /// allowed error, and the initial values of joints that still move.
+    /// Restores the motion of the file for the joints that still move.
     pub(super) fn set_motion(&mut self, laws: &str, error: f64) {
         let mut motion = self.motion.clone();
         motion.insert("laws".to_owned(), Value::String(laws.to_owned()));
@@ -100,8 +94,7 @@ impl SceneTable {
         }
     }
 
-    /// Binds the elements of an array that belong to a joint to zero; `names`
-    /// are all names of the joint, or of its body.
+    /// Binds the elements of a joint, by its `names`, in an array to zero.
     pub(super) fn clear(&mut self, array: &str, matrix: bool, joint: usize, names: &[&str]) {
         let number = (joint + 1).to_string();
         let words: Vec<&str> = names.iter().copied().chain([number.as_str()]).collect();
@@ -121,7 +114,6 @@ impl SceneTable {
         self.clear(array, matrix, joint, &names);
     }
 
-    /// Binds a whole array to zero.
     pub(super) fn clear_all(&mut self, array: &str) {
         let bound = self.section("bind");
         bound.retain(|key, _| key.split('[').next().map(str::trim) != Some(array));
@@ -179,9 +171,8 @@ impl SceneTable {
 }
 
 /// The files of a reduced scene, as (name, text): the scene, the model without
-/// the links and external forces that are left out, and the laws that remain.
-/// `stem` is the beginning of their names; `machine` is the file of the scene's
-/// machine if it is no built-in one.
+/// omitted links and forces, and the laws left. `stem` begins their names;
+/// `machine` is the file of a machine that is not built in.
 pub fn files(
     findings: &NeglectFindings,
     stem: &str,

@@ -1,5 +1,4 @@
-//! A scene with parts left out: its equations counted, its motion simulated and
-//! compared with that of the full model.
+//! A scene with parts left out: equations, motion, and errors of the motion.
 
 use super::NeglectError;
 use super::document::SceneTable;
@@ -32,7 +31,6 @@ pub(super) const FULL_STEPS: u64 = 1_000_000;
 
 /// A scene with parts of the model left out.
 pub(super) struct ReducedScene {
-    /// The scene, as its file is read.
     pub(super) file: SceneFile,
     /// The laws of the links and external forces that remain.
     pub(super) laws: Laws,
@@ -41,7 +39,6 @@ pub(super) struct ReducedScene {
 }
 
 impl ReducedScene {
-    /// The model and the function.
     pub(super) fn subject(&self) -> &ModelSubject {
         match &self.file.subject {
             SceneSubject::Model(subject) => subject,
@@ -57,8 +54,7 @@ pub struct SceneOperations {
     pub function: usize,
     /// Sines and cosines of its function.
     pub sin_cos: usize,
-    /// Of the functions `link` and `extforces`, which turn lengths and places
-    /// into forces.
+    /// Of `link` and `extforces`, which turn lengths and places into forces.
     pub forces: usize,
 }
 
@@ -84,16 +80,11 @@ pub(super) struct NeglectJudge<'a> {
     pub(super) machine: &'a Machine,
     /// Positions of locked joints: the means of their motions.
     pub(super) means: Vec<f64>,
-    /// Number of steps a motion may take.
     pub(super) step_limit: u64,
 }
 
 impl NeglectJudge<'_> {
-    /// The scene of the file, with further parts left out.
-    ///
-    /// # Errors
-    ///
-    /// Fails when the scene contradicts the omissions, or gives no equations.
+    /// The scene of the file with further parts left out, if they can be.
     pub(super) fn build(
         &self,
         table: &SceneTable,
@@ -128,10 +119,6 @@ impl NeglectJudge<'_> {
     }
 
     /// The operations of a scene after the usual pipeline.
-    ///
-    /// # Errors
-    ///
-    /// Errors of the generator and of passes.
     pub(super) fn operations(
         &self,
         reduced: &ReducedScene,
@@ -163,10 +150,6 @@ impl NeglectJudge<'_> {
     }
 
     /// The motion of a scene from a start.
-    ///
-    /// # Errors
-    ///
-    /// See [`MotionError`].
     pub(super) fn motion(
         &self,
         reduced: &ReducedScene,
@@ -193,10 +176,6 @@ impl NeglectJudge<'_> {
     }
 
     /// Calls a function with the system of a scene at a start.
-    ///
-    /// # Errors
-    ///
-    /// See [`MotionError`].
     pub(super) fn moved<T>(
         &self,
         reduced: &ReducedScene,
@@ -209,8 +188,7 @@ impl NeglectJudge<'_> {
 }
 
 impl ReducedScene {
-    /// Removes links and external forces without a law from the model: their
-    /// lengths and places are not computed.
+    /// Removes links and external forces without a law from the model.
     fn drop_forces(&mut self) {
         let SceneSubject::Model(subject) = &mut self.file.subject else {
             return;

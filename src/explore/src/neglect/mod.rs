@@ -31,7 +31,6 @@ pub use starts::StartSearch;
 pub use text::{report, text};
 
 use crate::program::ExplorationError;
-use crate::scene::EffectError;
 use robovec_dynamics::generate::GenerateError;
 use robovec_dynamics::motion::MotionError;
 
@@ -50,15 +49,12 @@ pub enum NeglectError {
     /// The equations could not be made.
     #[error(transparent)]
     Generate(#[from] GenerateError),
-    /// A pass gave up.
+    /// A pass gave up, or a program could not be measured.
     #[error(transparent)]
     Passes(#[from] ExplorationError),
     /// The model does not move.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// A program could not be measured.
-    #[error(transparent)]
-    Effect(#[from] EffectError),
 }
 
 impl NeglectError {

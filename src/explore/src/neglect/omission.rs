@@ -7,8 +7,7 @@ use crate::scene::{NeglectKind, NeglectWish};
 use robovec_dynamics::motion::{Laws, Spring, Support};
 use robovec_model::{Model, Nature};
 
-/// One omission: its kind, and the index of its joint, body, link or external
-/// force in the model.
+/// One omission: its kind, and the index of its part in the model.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Omission(pub NeglectKind, pub usize);
 
@@ -50,9 +49,8 @@ impl Omission {
     }
 }
 
-/// All parts of a model under laws that can be left out, as a scene requests,
-/// in the order of kinds. `model` holds the joints that the scene holds;
-/// watched joints stay.
+/// All parts of a model under laws that a scene lets go, in the order of kinds.
+/// `model` holds the joints that the scene holds; watched joints stay.
 pub(super) fn candidates(
     model: &Model,
     laws: &Laws,
@@ -99,8 +97,7 @@ pub(super) fn candidates(
     all
 }
 
-/// The laws without those of omitted forces and of joints that are held;
-/// links and external forces stay in their places.
+/// The laws without those of omitted forces and of joints that are held.
 pub(super) fn without_forces(laws: &Laws, omitted: &[Omission]) -> Laws {
     let mut laws = laws.clone();
     for one in omitted {

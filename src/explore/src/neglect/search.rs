@@ -1,15 +1,12 @@
-//! The search: the effect of every omission alone, and the largest set that is
-//! allowed.
+//! The search: the effect of every omission alone, and the largest allowed set.
 
 use super::NeglectError;
 use super::document::SceneTable;
 use super::judge::{FULL_STEPS, NeglectJudge, ReducedScene, STEP_FACTOR, SceneOperations, Start};
 use super::omission::{Omission, candidates};
 use super::starts::StartSearch;
-use crate::program::{transformed_by, view};
-use crate::scene::{
-    EffectError, PIPELINE, SceneEffect, SceneFile, SceneSubject, WatchedJoints, effects,
-};
+use crate::program::{ExplorationError, transformed_by, view};
+use crate::scene::{PIPELINE, SceneEffect, SceneFile, SceneSubject, WatchedJoints, effects};
 use rayon::prelude::*;
 use robovec_dynamics::kinematics::{InputSources, StateError};
 use robovec_dynamics::motion::{Laws, MotionError, MultibodySystem, SimulationRun, mean_position};
@@ -25,8 +22,7 @@ const DRAWS: u32 = 2;
 /// Maximum number of searches for parts, each with the worst starts of the last.
 const REFUSALS: usize = 6;
 
-/// One in this number of samples of a motion is a state at which equations are
-/// compared.
+/// Of this number of samples of a motion, equations are compared at one.
 const COMPARED: usize = 8;
 
 /// A scene that permits omissions.
@@ -39,11 +35,9 @@ pub struct NeglectTask<'a> {
     pub text: &'a str,
     /// Folder of the files that it names.
     pub folder: &'a Path,
-    /// The laws of its forces, for the model with the joints held that the
-    /// scene holds.
+    /// The laws of its forces, for the model with the scene's joints held.
     pub laws: Laws,
-    /// The machine that passes compile for, and whose speed and cost are
-    /// reported.
+    /// The machine that passes compile for, whose speed and cost are reported.
     pub machine: &'a Machine,
 }
 
@@ -52,14 +46,12 @@ pub struct NeglectTask<'a> {
 pub struct NeglectFinding {
     /// The thing, in words.
     pub what: String,
-    /// Operations saved when it alone is left out; `None` when that scene has
-    /// no motion or no equations.
+    /// Operations saved when it alone is left out, if that scene has a motion.
     pub saved: Option<i64>,
     /// The largest error of a watched joint, relative to its largest
     /// displacement, when it alone is left out; or why it cannot be.
     pub alone: Result<f64, String>,
-    /// The order in which it was left out with others, and the largest error
-    /// of all of them then.
+    /// Its order of omission with others, and their largest error then.
     pub taken: Option<(usize, f64)>,
     /// A larger omission contains it.
     pub within: bool,
@@ -74,30 +66,25 @@ pub struct SceneFigures {
     pub operations: SceneOperations,
     /// Path, cycles, cost and rounding errors on the machine.
     pub effect: SceneEffect,
-    /// The largest error of a watched joint over the motion, relative to its
-    /// largest displacement.
+    /// Largest error of a watched joint over the motion, over its displacement.
     pub motion: f64,
-    /// Errors of the needed outputs at states of the full motion, against the
-    /// full equations in double-double arithmetic, relative to the largest
-    /// element of the array.
+    /// Errors of needed outputs at states of the full motion, against full
+    /// equations in double-double, over the largest element of the array.
     pub equations: ErrorSpread,
 }
 
 /// Findings of the search.
 #[derive(Debug)]
 pub struct NeglectFindings {
-    /// The names of the watched joints and their largest displacements from
-    /// their means, m or rad.
+    /// Watched joints, and largest displacements from their means, m or rad.
     pub watched: Vec<(String, f64)>,
     /// The full scene, the scene as written, and the scene with parts left out.
     pub figures: Vec<SceneFigures>,
     /// The findings of all omissions tried alone.
     pub findings: Vec<NeglectFinding>,
-    /// Starts at which the reduced scene was compared; `None` where every start
-    /// is the same.
+    /// Starts at which the reduced scene was compared; `None` for equal starts.
     pub searched: Option<StartSearch>,
-    /// The part of the error allowed that leaving things out does not use up,
-    /// of all motions that were compared.
+    /// The part of the error allowed that is left of all motions compared.
     pub rest: f64,
     /// Error of the integrator itself: the largest change of the full motion
     /// with a hundredth of the tolerance, in the same parts.
@@ -140,10 +127,6 @@ pub(super) struct NeglectSearch<'a> {
 }
 
 /// Finds the parts that a scene need not model. `progress` receives each step.
-///
-/// # Errors
-///
-/// See [`NeglectError`].
 pub fn neglect(
     task: &NeglectTask<'_>,
     progress: &(dyn Fn(&str) + Sync),
@@ -378,8 +361,7 @@ impl NeglectSearch<'_> {
         taken
     }
 
-    /// Leaves out as many of a list as the error allows: first all together,
-    /// then fewer at a time when they fail.
+    /// Leaves out as many of a list as possible: all together, then fewer.
     fn as_many(
         &self,
         tried: &mut [(Omission, NeglectFinding)],
@@ -420,7 +402,7 @@ impl NeglectSearch<'_> {
         let known = Some(&scene.file.scene);
         let program = transformed_by(&reduced, PIPELINE, self.judge.machine, known)?;
         let errors = yardstick.errors(view(&program), Format::BINARY64);
-        let errors = errors.map_err(|error| NeglectError::Effect(EffectError::Measure(error)))?;
+        let errors = errors.map_err(ExplorationError::from)?;
         let mut steps = effects(&scene.file, self.judge.machine)?;
         Ok(SceneFigures {
             what,
@@ -471,8 +453,7 @@ impl NeglectSearch<'_> {
     }
 }
 
-/// Omissions that do not follow from others: the velocity, the angle and the
-/// force of a joint go with the joint, moments of inertia with the mass.
+/// Omissions that do not follow from others, such as a held joint's force.
 fn without_subsumed(taken: &[Omission], tried: &mut [(Omission, NeglectFinding)]) -> Vec<Omission> {
     let goes = |one: &Omission| one.goes_with().is_some_and(|whole| taken.contains(&whole));
     for (one, finding) in tried.iter_mut() {

@@ -67,8 +67,7 @@ fn listed(wish: &SceneMotion) -> Vec<Start> {
     starts
 }
 
-/// Starts that differ from one in a single value: an end or the middle of its
-/// range, a quarter of the range away, or the value of another start.
+/// Starts that differ from one in a single value, near or from another.
 fn neighbours(wish: &SceneMotion, from: &Start, other: &Start) -> Vec<Start> {
     let mut starts = Vec::new();
     for (place, &(_, [low, high])) in wish.start.iter().enumerate() {
@@ -96,8 +95,7 @@ impl NeglectSearch<'_> {
         self.learn(listed(self.judge.wish), LISTED_WORK);
     }
 
-    /// Adds the full motions from starts, those that exist, to the known ones
-    /// until all steps are as many as the limit.
+    /// Adds the full motions from starts to the known ones, up to a limit.
     fn learn(&mut self, starts: Vec<Start>, limit: u64) {
         let mut new: Vec<Start> = Vec::new();
         for start in starts {
@@ -121,8 +119,7 @@ impl NeglectSearch<'_> {
         }
     }
 
-    /// Errors of a scene at the known starts from a place on; infinite where it
-    /// does not move.
+    /// Errors of a scene at known starts from a place on; infinite if unmoved.
     fn errors_from(&mut self, scene: &ReducedScene, place: usize) -> Vec<f64> {
         let errors = self.known[place..].par_iter().map(|(start, run)| {
             let other = self.run(scene, start);

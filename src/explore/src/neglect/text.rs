@@ -16,8 +16,7 @@ use robovec_present::{
 /// Maximum number of parts and of joints that the terminal lists.
 const SHOWN: usize = 6;
 
-/// The report for the terminal: the answer, then the scenes; every part and the
-/// explanation of the columns on request.
+/// The report for the terminal: the answer and scenes; all on request.
 pub fn text(task: &NeglectTask<'_>, findings: &NeglectFindings, is_verbose: bool) -> String {
     let most = if is_verbose { usize::MAX } else { SHOWN };
     let mut lines = lines(task, findings, most);

@@ -235,8 +235,7 @@ impl Optimised {
         )
     }
 
-    /// Places of the rows: the front, thinned where it is long, the input and the
-    /// program that was taken.
+    /// Places of the rows: the thinned front, the input and the taken program.
     pub(super) fn shown(&self, measure: SpeedMeasure, most: usize) -> Vec<usize> {
         let front = self.front(measure);
         let mut rows: Vec<usize> = vec![0, self.best];
@@ -280,8 +279,7 @@ fn times(ratio: f64) -> String {
     }
 }
 
-/// Machine with its elements, clock and share of the device, or compiler and
-/// flags.
+/// Machine with elements, clock and share of the device, or compiler and flags.
 fn target(question: &OptimisationQuestion<'_>, best: &OptimisationPoint) -> String {
     if question.target != OptimisationTarget::Fpga {
         let command = question.compiler.map(|compiler| compiler.command.as_str());
@@ -309,8 +307,7 @@ fn elements(machine: &Machine) -> String {
     format!("{} ({})", machine.name, kinds.join(", "))
 }
 
-/// Neighbours of the chosen program on the front: the fastest, if it is another
-/// one, and the next that is more exact.
+/// Neighbours of the chosen program on the front: fastest, and more exact.
 fn others(found: &Optimised, measure: SpeedMeasure) -> Vec<String> {
     let taken = &found.points[found.best];
     let front = found.front(measure);

@@ -24,8 +24,7 @@ pub struct FoundProgram {
     pub start: usize,
     /// The passes from that start.
     pub passes: String,
-    /// One function at the level atomic, not placed; it is not kept, since it follows
-    /// from start and passes.
+    /// One atomic function, not placed; it follows from start and passes.
     #[serde(skip)]
     pub program: Arc<Module>,
 }
@@ -33,12 +32,7 @@ pub struct FoundProgram {
 /// The best programs that one effort finds for a machine with this number of
 /// adders and multipliers each, in this order and each once. Numbers of
 /// elements with which no program can be placed on the machine are left out. A
-/// worker searches for the numbers of its share first, so that it finds the
-/// results that others stored meanwhile.
-///
-/// # Errors
-///
-/// Fails when a pass gives up on the equations.
+/// worker begins with its share, and finds what others stored meanwhile.
 pub fn found(
     starts: &[OptimisationStart],
     machine: &Machine,
@@ -78,7 +72,6 @@ pub fn found(
     Ok(programs)
 }
 
-/// A program made again.
 fn made(
     starts: &[OptimisationStart],
     machine: &Machine,

@@ -1,5 +1,4 @@
-//! The original function, measured in the same manner as programs: the
-//! reference for gains.
+//! The original function, measured as programs are: the reference for gains.
 
 use super::measure::{self, ProgramFigures};
 use super::processor::single;
@@ -26,8 +25,7 @@ const ONE_PIECE: usize = 60_000;
 /// Rounds, and the time of a round, ms.
 const ROUNDS: (u32, u32) = (8, 60);
 
-/// The input as a point: placed unchanged, or its own C timed with the flags of
-/// the question, and its errors.
+/// The input as a point: placed unchanged, or its own C timed, and its errors.
 pub(super) fn point(
     prepared: &PreparedStarts,
     question: &OptimisationQuestion<'_>,
@@ -74,9 +72,8 @@ pub(super) fn point(
     Ok(point)
 }
 
-/// Time of the user's own C file, or of the equations as Robotran writes them in
-/// C. Equations of another kind, and those too long for one function of C, are
-/// timed in the C that robovec writes.
+/// Time of the user's own C file, or of the equations as Robotran writes them
+/// in C. Other equations, and those too long, are timed in robovec's C.
 fn timed(
     start: &Module,
     question: &OptimisationQuestion<'_>,

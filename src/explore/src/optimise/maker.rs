@@ -25,16 +25,13 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-/// A program of the search.
 #[derive(Clone, Debug)]
 pub(super) struct MadeProgram {
-    /// The module, with one function.
     pub module: Arc<Module>,
     /// Key of its start and passes; `None` where nothing is kept.
     key: Option<PointKey>,
     /// The passes from its start on, where it was read from disk: passes may
-    /// decide differently from there, since a text does not keep the order in
-    /// which symbols were first met.
+    /// differ, as a text does not keep the order of symbols.
     read: Option<String>,
 }
 
@@ -98,9 +95,8 @@ pub(super) fn programs(
 /// Maximum number of programs that are placed beside those of the search.
 const NEARBY: usize = 16;
 
-/// Places programs that the search passed over since they promise no shorter
-/// schedule: those whose bound is that of the best or nearly may be as fast,
-/// and more exact.
+/// Places programs that the search passed over as no shorter: those with a
+/// bound near the best one's may be as fast, and more exact.
 pub(super) fn place_nearby(
     outcome: &mut SearchOutcome<MadeProgram>,
     prepared: &PreparedStarts,
@@ -161,13 +157,11 @@ pub(super) fn as_made(
 struct ParallelMaker<'a> {
     question: &'a OptimisationQuestion<'a>,
     progress: ExplorationProgress<'a>,
-    /// The programs of the starts.
     starts: &'a [Arc<Module>],
     tally: MakerTally,
 }
 
-/// Programs that jobs start from, made again, each once; by start and passes.
-/// No pass computes on several threads, so that none waits for itself.
+/// Programs that jobs start from, made again, each once, by start and passes.
 type AgainMade = BTreeMap<(usize, String), OnceLock<Result<Arc<Module>, PassError>>>;
 
 impl ParallelMaker<'_> {
@@ -286,8 +280,7 @@ impl ProgramMaker for ParallelMaker<'_> {
     }
 }
 
-/// Does pieces of work on all cores, beginning with those of a share; the
-/// results have the order of the pieces.
+/// Does work on all cores, a share's first; results keep their order.
 fn own_first<T: Send>(
     share: WorkShare,
     order: &[usize],

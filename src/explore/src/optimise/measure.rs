@@ -19,8 +19,7 @@ pub(super) struct ProgramFigures {
     pub(super) nanoseconds: Option<f64>,
     /// Size of the compiled C, bytes.
     pub(super) code_bytes: Option<u64>,
-    /// Of every array its largest error over its largest element: median and
-    /// worst.
+    /// Of every array the error over the largest element: median and worst.
     pub(super) errors: Option<[f64; 2]>,
     /// Reason why there is no time.
     pub(super) remark: String,
@@ -32,12 +31,10 @@ pub(super) struct MeasuredPrograms {
     pub(super) figures: Vec<ProgramFigures>,
     /// Index of the one that is taken.
     pub(super) best: usize,
-    /// Its errors in detail.
     pub(super) errors: MeasuredErrors,
 }
 
-/// Times up to this multiple of the smallest are as short: among them errors
-/// decide.
+/// Times up to this multiple of the smallest are as short: errors decide then.
 const AS_FAST: f64 = 1.01;
 
 /// The number format of a target: that of the machine, binary64 in C.
@@ -48,8 +45,7 @@ pub(super) fn format(question: &OptimisationQuestion<'_>) -> Format {
     }
 }
 
-/// Measures the input and the candidates, and takes the most exact of the
-/// fastest programs.
+/// Measures input and candidates, and takes the most exact of the fastest.
 pub(super) fn measure(
     prepared: &PreparedStarts,
     outcome: &SearchOutcome<MadeProgram>,

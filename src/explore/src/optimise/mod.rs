@@ -4,13 +4,11 @@
 //! model, from other formulations that compute the same ([`start`]). The search
 //! of the pass `optimise` makes programs from them, here on all cores and with
 //! a memory on disk ([`maker`]). They are measured on their target
-//! ([`measure`]): the schedule on the machine, or the C made of them by the
-//! available compiler; and for each the error of its results in the number
-//! format of the target is measured.
+//! ([`measure`]): the schedule on the machine, or their C; and for each the
+//! error of its results in the target's format.
 //!
-//! The chosen program is proved once more, as a whole, against the original
-//! equations ([`proof`]): the user need not trust the passes that the search
-//! trusts.
+//! The chosen program is proved once more, as a whole, against the equations
+//! ([`proof`]): the user need not trust the passes.
 
 pub mod answer;
 pub mod found;
@@ -54,8 +52,7 @@ pub enum OptimisationTarget {
 }
 
 impl OptimisationTarget {
-    /// Goal of the search: on processors operations decide, and those with the
-    /// fewest are then timed.
+    /// Goal of the search: on processors programs of fewest operations.
     pub(crate) fn goal(self) -> Goal {
         match self {
             OptimisationTarget::Fpga => Goal::Cycles,
@@ -80,15 +77,13 @@ pub struct OptimisationQuestion<'a> {
     pub states: &'a States,
     /// States that errors are measured at.
     pub count: u32,
-    /// The C compiler with which programs are timed; `None` when there is
-    /// none.
+    /// The C compiler with which programs are timed, if there is one.
     pub compiler: Option<&'a Compiler>,
     /// Its flags.
     pub flags: &'a str,
     /// The C file of the function.
     pub file: Option<&'a Path>,
-    /// Place where programs that were made are kept, and which of them come
-    /// first.
+    /// Place where made programs are kept, and which of them come first.
     pub work: SharedWork<'a>,
 }
 
@@ -113,14 +108,12 @@ pub struct OptimisationPoint {
     pub microseconds: Option<f64>,
     /// The time of one state in C, ns.
     pub nanoseconds: Option<f64>,
-    /// The share of the device that the machine takes with memories for it,
-    /// where it was placed.
+    /// The machine's share of the device with memories for it, if placed.
     pub share: Option<f64>,
     /// Size of the compiled C, bytes, where it was timed.
     pub code_bytes: Option<u64>,
-    /// The errors of its results, where it was a candidate: of every array in
-    /// every state its largest error over its largest element, the median and
-    /// the worst.
+    /// Errors of a candidate: of every array in every state the largest error
+    /// over the largest element, the median and the worst.
     pub errors: Option<[f64; 2]>,
     /// The largest error of a directed search in the ranges and of the random
     /// states, of rows of the front: over the largest element of the array or,
@@ -162,8 +155,7 @@ pub struct Optimised {
 /// Reason of a search without result.
 #[derive(Debug, thiserror::Error)]
 pub enum OptimisationError {
-    /// A pass failed on the equations, or a program does not match the
-    /// function.
+    /// A pass failed on equations, or a program does not match the function.
     #[error(transparent)]
     Program(#[from] ExplorationError),
     /// No program fits the machine.
@@ -182,10 +174,6 @@ pub enum OptimisationError {
 /// Searches as one of several workers, so that their programs are kept: those
 /// of its share first, then those that no other worker has made by then.
 /// Measurement and proof follow in [`optimise`] with the same question.
-///
-/// # Errors
-///
-/// Fails when a pass gives up on the equations.
 pub fn search_share(
     starts: &[OptimisationStart],
     question: &OptimisationQuestion<'_>,
@@ -198,10 +186,6 @@ pub fn search_share(
 }
 
 /// Searches, measures, proves.
-///
-/// # Errors
-///
-/// See [`OptimisationError`].
 pub fn optimise(
     starts: &[OptimisationStart],
     question: &OptimisationQuestion<'_>,

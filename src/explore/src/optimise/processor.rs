@@ -1,9 +1,8 @@
 //! Programs as C on this processor.
 //!
 //! Operations, loads and stores make most of the time of straight-line C
-//! ([`processor_work`]), but not all of it: parallel execution depends on the
-//! compiler and the processor. So the programs of the least work, and one of
-//! every preparation, are compiled and timed.
+//! ([`processor_work`]), but not all. So the programs of the least work, and
+//! one of every preparation, are compiled and timed.
 
 use super::maker::MadeProgram;
 use super::measure::ProgramFigures;
@@ -22,29 +21,20 @@ use robovec_passes::optimise::search::SearchOutcome;
 use robovec_passes::optimise::steps::{FEWEST, PREPARATIONS, PRESET, SearchStep};
 use std::path::Path;
 
-/// Rounds, and the time of every program in a round, ms: of all candidates, and
-/// of those that may be the fastest.
+/// Rounds, and the time of a program in a round, ms: of all, of the fastest.
 const ROUNDS: [(u32, u32); 2] = [(2, 30), (8, 60)];
 /// Candidates this much slower than the fastest are not timed a second time.
 const NEAR: f64 = 1.06;
-/// Flags that programs are timed with beside those named: one that is faster
-/// with the ones and slower with the others is no better.
+/// Other flags that programs are timed with, to be better with all.
 const OTHER_FLAGS: &str = own::FLAGS;
 /// Maximum number of programs whose errors are measured where none is timed.
 const MEASURED: usize = 16;
-/// Programs of the smallest estimated work that are timed, and more for every
-/// effort, beside one of every preparation.
+/// Programs of the smallest estimated work that are timed, by effort.
 const TIMED: usize = 2;
-/// Operations of all programs that are compiled; the preset and the program of
-/// the least work are compiled in any case.
+/// Operations of all programs that are compiled, beside two in any case.
 const COMPILED: usize = 300_000;
 
-/// The candidate programs, with their times by that of the fastest, or with
-/// their operations without a compiler.
-///
-/// # Errors
-///
-/// The reason why no program was timed, though it could be compiled here.
+/// Candidates, with times over the fastest one's, or why none was timed.
 pub(super) fn contenders(
     prepared: &PreparedStarts,
     outcome: &SearchOutcome<MadeProgram>,
@@ -84,8 +74,7 @@ pub(super) fn contenders(
         .collect())
 }
 
-/// The programs to time: the preset, the one of the least work of every
-/// preparation, and those of the least work of all, each once.
+/// The programs to time: the preset, and those of the least work.
 fn candidates(outcome: &SearchOutcome<MadeProgram>, effort: u32) -> Vec<usize> {
     let trials = &outcome.trials;
     let work: Vec<f64> = trials
@@ -120,7 +109,6 @@ fn candidates(outcome: &SearchOutcome<MadeProgram>, effort: u32) -> Vec<usize> {
     taken
 }
 
-/// Times of programs as C.
 struct ProgramTiming<'a> {
     prepared: &'a PreparedStarts,
     outcome: &'a SearchOutcome<MadeProgram>,
@@ -130,8 +118,7 @@ struct ProgramTiming<'a> {
 }
 
 impl ProgramTiming<'_> {
-    /// For every candidate the largest of its times by that of the fastest,
-    /// over the flags.
+    /// Of every candidate the largest time over the fastest one's, by flags.
     fn slowness(
         &self,
         candidates: &[usize],
@@ -171,8 +158,7 @@ impl ProgramTiming<'_> {
                 .filter(|(time, _)| *time <= NEAR)
                 .map(|(_, index)| *index)
                 .collect();
-            // The fastest is timed twice even where no other is near it: its
-            // time is compared with that of the input.
+            // The fastest is timed twice: its time is compared with the input.
             if left.is_empty() || rounds == ROUNDS[1].0 {
                 return Ok(slowness);
             }
@@ -231,8 +217,7 @@ fn contestant(
     single(&plan)
 }
 
-/// C that replaces Robotran's file; for a function that Robotran does not have,
-/// C with its own arrays.
+/// C that replaces Robotran's file; of other functions, with their arrays.
 pub(super) fn single(plan: &own::ContestantPlan<'_>) -> Contestant {
     let in_place = robotran::drop_in(plan);
     match in_place.missing {

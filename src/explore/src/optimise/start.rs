@@ -1,5 +1,4 @@
-//! Starts of a search: the equations as they came, and those of a model in
-//! other formulations.
+//! Starts of a search: the equations as they came, and other formulations.
 
 use super::OptimisationQuestion;
 use crate::program::{ExplorationError, transformed_by, view};
@@ -91,9 +90,8 @@ pub fn starts(
         .collect()
 }
 
-/// The formulations of a model that are the function that came in, where the
-/// inputs that a scene binds have their numbers; for the others the reason why
-/// they are not.
+/// The formulations of a model that are the function that came in, at the
+/// numbers that a scene binds; for others the reason why they are not.
 pub fn formulations(
     given: &Module,
     model: &Model,
@@ -196,8 +194,7 @@ fn same_function(
     Ok((module, is_changed))
 }
 
-/// Gives a function the outputs of the input function, which was found to be
-/// equal: an output that only one of them sets is zero.
+/// Gives a function the input function's outputs: additional ones are zero.
 fn with_outputs(given: &Module, module: &mut Module) -> Result<bool, String> {
     let names = |view: View<'_>| -> Vec<String> {
         let set = view.function.assignments.iter();

@@ -146,8 +146,7 @@ pub fn points_table(found: &Optimised) -> DataTable {
     captions::table("optimise", &[], &columns(true), &rows)
 }
 
-/// Speed against error of the measured programs: the front as steps, the input
-/// and the chosen program with their figures.
+/// Speed against error: the front as steps, the input and the chosen program.
 pub fn figure(found: &Optimised, measure: SpeedMeasure) -> Figure {
     let place = |point: &OptimisationPoint| Some((measure.of(point)?, point.errors?[1]));
     let mark =
@@ -205,8 +204,7 @@ pub struct OptimisationPage<'a> {
     pub code: [(&'a str, &'a str); 2],
 }
 
-/// The page: the answer, speed against error, the code before and after, and
-/// all that was tried.
+/// The page: answer, speed against error, code before and after, all trials.
 pub fn page(found: &Optimised, texts: &OptimisationPage<'_>) -> String {
     let OptimisationPage {
         subject,

@@ -1,5 +1,4 @@
-//! The arrays that a scene can name, and the names of the items that their
-//! indices count.
+//! The arrays that a scene can name, and names of the items they count.
 
 use super::document::WordProblem;
 use robovec_framework::scene::{ElementPattern, IndexPattern};
@@ -11,13 +10,11 @@ use robovec_model::{CutKind, Model};
 pub(super) struct KnownArray {
     pub(super) name: String,
     pub(super) shape: Shape,
-    /// Index into [`SceneArrays::names`] of the items that the last index
-    /// counts.
+    /// Index into [`SceneArrays::names`] of the items of the last index.
     counts: Option<usize>,
 }
 
-/// Meaning of the indices of a kind: the word for it, and names with their
-/// numbers from 1.
+/// Indices of a kind: the word for it, and names with their numbers from 1.
 struct IndexNames {
     what: &'static str,
     list: Vec<(String, u32)>,
@@ -111,8 +108,7 @@ impl SceneArrays {
         })
     }
 
-    /// The number of the item that the last index of an array counts, by name
-    /// or number.
+    /// Number of the item of an array's last index, by name or number.
     pub(super) fn last_index(&self, array: usize, word: &str) -> Result<u32, WordProblem> {
         let array = &self.list[array];
         let extent = match array.shape {
@@ -147,8 +143,7 @@ impl SceneArrays {
         Ok((array, pattern))
     }
 
-    /// Reads a pattern of elements of an output array. An index with as many
-    /// items as there are joints counts joints.
+    /// Reads a pattern of elements of an output array, by joints if it can.
     pub(super) fn output_pattern(
         &self,
         outputs: &[(String, Shape)],
@@ -166,8 +161,7 @@ impl SceneArrays {
         self.indices(name, *shape, None, indices)
     }
 
-    /// The indices of a pattern; a joint's name means its number wherever an
-    /// extent is the number of joints.
+    /// The indices of a pattern; a joint's name means its number.
     fn indices(
         &self,
         name: &str,

@@ -1,5 +1,4 @@
-//! A scene file as TOML with the place of every key and value, and the
-//! messages about it.
+//! A scene file as TOML with the places of keys and values, and its messages.
 
 use robovec_ir::diagnostic::{Diagnostic, Label, clip, suggestion};
 use robovec_num::decimal;
@@ -117,7 +116,6 @@ impl DocumentProblems {
         read.map_err(report).ok()
     }
 
-    /// True when no problem was found so far.
     pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
@@ -131,7 +129,6 @@ impl DocumentProblems {
     }
 }
 
-/// Reads the text as TOML.
 pub(super) fn parse(text: &str) -> Result<Spanned<DocumentTable<'_>>, Diagnostic> {
     DeTable::parse(text).map_err(|error| {
         Diagnostic::error()
@@ -155,7 +152,6 @@ pub(super) fn only_keys(
     }
 }
 
-/// Value of a key of a table.
 pub(super) fn get<'a, 't>(
     table: &'a DocumentTable<'t>,
     key: &str,
@@ -196,7 +192,6 @@ pub(super) fn number(value: &DocumentValue<'_>, problems: &mut DocumentProblems)
     finite
 }
 
-/// A number within a limit.
 pub(super) fn limited(
     value: &DocumentValue<'_>,
     (name, limit): (&str, NumberLimit),
@@ -209,7 +204,6 @@ pub(super) fn limited(
     }
 }
 
-/// A text.
 pub(super) fn string<'a>(
     value: &'a DocumentValue<'_>,
     problems: &mut DocumentProblems,
@@ -232,7 +226,6 @@ pub(super) fn table<'a, 't>(
     problems.refuse(value.span(), format!("expected a table, not a {found}"))
 }
 
-/// A list.
 pub(super) fn array<'a, 't>(
     value: &'a DocumentValue<'t>,
     problems: &mut DocumentProblems,

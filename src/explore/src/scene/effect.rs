@@ -1,19 +1,16 @@
-//! Worth of a scene: operations, time, error and cost with more and more of it
-//! used.
+//! Worth of a scene: operations, time, error and cost with more of it used.
 
 use super::{SceneFile, SceneSubject};
 use crate::device;
-use crate::program::{transformed, view};
+use crate::program::{ExplorationError, transformed, view};
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::usual_states;
-use robovec_error::yardstick::{ErrorSpread, Unmeasurable, Yardstick};
-use robovec_framework::manager::RunError;
+use robovec_error::yardstick::{ErrorSpread, Yardstick};
 use robovec_framework::scene::{Bindings, Scene};
 use robovec_ir::count::Counts;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module};
 use robovec_passes::registry::REGISTRY;
-use thiserror::Error;
 
 /// The function with a part of the scene used, after the usual pipeline.
 #[derive(Clone, PartialEq, Debug)]
@@ -34,20 +31,6 @@ pub struct SceneEffect {
     pub normwise: ErrorSpread,
 }
 
-/// Reason why no effect could be measured.
-#[derive(Debug, Error)]
-pub enum EffectError {
-    /// The equations could not be made.
-    #[error(transparent)]
-    Generate(#[from] robovec_dynamics::generate::GenerateError),
-    /// A pass gave up.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// A program could not be measured.
-    #[error(transparent)]
-    Measure(#[from] Unmeasurable),
-}
-
 /// The seed of the states that errors are measured at.
 const STATE_SEED: u64 = 1;
 
@@ -59,11 +42,7 @@ pub const PIPELINE: &str = "atomise,specialise,zero-removal,balance,cse,dce";
 
 /// The general function, then the same with joints held, with the needed
 /// outputs only, and with the numbers of inputs: each with all before it.
-///
-/// # Errors
-///
-/// Errors of the generator and of passes.
-pub fn effects(file: &SceneFile, machine: &Machine) -> Result<Vec<SceneEffect>, EffectError> {
+pub fn effects(file: &SceneFile, machine: &Machine) -> Result<Vec<SceneEffect>, ExplorationError> {
     let sliced = Scene {
         bound: Bindings::default(),
         ..file.scene.clone()
@@ -90,7 +69,7 @@ fn effect(
     module: Module,
     scene: Option<&Scene>,
     (machine, states): (&Machine, &States),
-) -> Result<SceneEffect, EffectError> {
+) -> Result<SceneEffect, ExplorationError> {
     let pipeline = if scene.is_some() { PIPELINE } else { USUAL };
     let pipeline = REGISTRY
         .pipeline(pipeline)

@@ -1,5 +1,4 @@
-//! Inputs in a scene file: parameters, numbers, ranges, and the joints that are
-//! held.
+//! Inputs in a scene file: parameters, numbers, ranges, and held joints.
 
 use super::INPUT;
 use super::arrays::SceneArrays;
@@ -54,8 +53,7 @@ impl InputReader<'_> {
         held
     }
 
-    /// Limits positions to the ranges of the model's joints, except where the
-    /// scene gives another range or value.
+    /// Limits positions to the ranges of joints, where the scene is silent.
     fn limits(&mut self) {
         let joints = self.model.map_or(&[][..], |model| &model.joints);
         for (joint, number) in joints.iter().zip(1..) {
@@ -80,7 +78,6 @@ impl InputReader<'_> {
         self.words.say(shape, pattern, known, span, self.problems);
     }
 
-    /// `parameters = "from-model"`.
     fn parameters(&mut self, value: &DocumentValue<'_>) {
         match string(value, self.problems) {
             None => return,

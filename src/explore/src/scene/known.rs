@@ -22,11 +22,8 @@ pub(super) enum ElementKnowledge {
 pub(super) enum Rank {
     /// All parameters of the model, or the limits of its joints.
     Model,
-    /// A whole array.
     Array,
-    /// A part of an array.
     Part,
-    /// The element itself.
     Element,
     /// A joint that is held.
     Joint,
@@ -54,14 +51,12 @@ struct ElementStatement {
     span: DocumentRange,
 }
 
-/// Statements about every element.
 #[derive(Default)]
 pub(super) struct ElementStatements {
     elements: BTreeMap<(String, [u32; 2]), ElementStatement>,
 }
 
-/// The maximum number of elements that a scene can name, far above that of any
-/// system.
+/// Maximum number of elements that a scene can name, far above any system's.
 const MAX_ELEMENTS: usize = 1_000_000;
 
 impl ElementStatements {
@@ -90,8 +85,7 @@ impl ElementStatements {
         }
     }
 
-    /// Records a fact about one element; false when it contradicts an earlier
-    /// one.
+    /// Records a fact about an element; false for one against an earlier one.
     pub(super) fn element(
         &mut self,
         array: &str,

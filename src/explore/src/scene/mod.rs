@@ -10,23 +10,25 @@ mod effect;
 mod inputs;
 mod known;
 mod motion;
-mod moving;
 mod read;
-mod subject;
 
-pub use effect::{EffectError, PIPELINE, SceneEffect, USUAL, effects};
-pub use motion::{NeglectKind, NeglectWish, SceneMotion};
-pub use moving::WatchedJoints;
+pub use effect::{PIPELINE, SceneEffect, USUAL, effects};
+pub use motion::{NeglectKind, NeglectWish, SceneMotion, WatchedJoints};
 pub use read::read;
-pub use subject::{ModelSubject, SceneSubject};
 
-use robovec_dynamics::generate::{Formulation, GenerateError};
-use robovec_framework::scene::Scene;
+use known::{ElementKnowledge, ElementStatements};
+use robovec_dynamics::generate::{
+    Formulation, GenerateError, GenerationRequest, Options, generate_asked,
+};
+use robovec_dynamics::kinematics;
+use robovec_framework::scene::{HeldJoint, Hold, Scene};
 use robovec_io::files::limited;
 use robovec_io::sources;
 use robovec_ir::Module;
 use robovec_ir::diagnostic::Report;
+use robovec_model::{Model, Nature};
 use robovec_num::limits::NumberLimit;
+use robovec_robotran::FunctionKind;
 use std::path::Path;
 
 /// The time allowed, in microseconds.
@@ -101,10 +103,6 @@ impl SceneFile {
 
     /// The function of the scene, in its formulation, before any entry of the
     /// scene is used except fixed joints.
-    ///
-    /// # Errors
-    ///
-    /// Errors of the generator.
     pub fn module(&self) -> Result<Module, GenerateError> {
         match &self.subject {
             SceneSubject::Equations(module) => Ok((**module).clone()),
@@ -112,12 +110,7 @@ impl SceneFile {
         }
     }
 
-    /// The same function with no inputs known: every joint moves, every output
-    /// is present.
-    ///
-    /// # Errors
-    ///
-    /// Errors of the generator.
+    /// The same function with no inputs known, every joint moving, all outputs.
     pub fn general(&self) -> Result<Module, GenerateError> {
         match &self.subject {
             SceneSubject::Equations(module) => Ok((**module).clone()),
@@ -125,8 +118,7 @@ impl SceneFile {
         }
     }
 
-    /// Watches the joints whose accelerations are needed where no joint is
-    /// watched.
+    /// Watches the joints of needed accelerations where none is watched.
     fn watch_what_is_needed(&mut self) {
         let (Some(motion), SceneSubject::Model(subject)) = (&mut self.motion, &self.subject) else {
             return;
@@ -148,5 +140,78 @@ impl SceneFile {
             Some(wished) => Formulation::from_name(wished)
                 .expect("a scene wishes for a formulation that there is, its reader checks it"),
         }
+    }
+}
+
+/// Subject of a scene.
+#[derive(Debug)]
+pub enum SceneSubject {
+    /// A model and a function of it.
+    Model(Box<ModelSubject>),
+    /// Equations as read: the one function of the scene.
+    Equations(Box<Module>),
+}
+
+/// A model and a function of it.
+#[derive(Clone, Debug)]
+pub struct ModelSubject {
+    /// The model as read.
+    pub general: Model,
+    /// The model with joints held as in the scene: driven ones at rest.
+    pub model: Model,
+    /// The function.
+    pub function: FunctionKind,
+    /// The name of the one function wanted of those generated (`sensor_2`).
+    pub name: String,
+    /// Way in which equations are generated.
+    pub options: Options,
+}
+
+impl ModelSubject {
+    /// The function in a formulation, with joints held.
+    pub fn equations(&self, formulation: Formulation) -> Result<Module, GenerateError> {
+        self.generate(&self.model, formulation)
+    }
+
+    fn generate(&self, model: &Model, formulation: Formulation) -> Result<Module, GenerateError> {
+        let request = GenerationRequest {
+            function: self.function,
+            formulation,
+            options: self.options.clone(),
+        };
+        let mut module = generate_asked(model, &request)?;
+        if module.functions.len() > 1 {
+            module
+                .functions
+                .retain(|function| function.name == self.name);
+        }
+        Ok(module)
+    }
+
+    fn hold(&mut self, joints: &[HeldJoint]) {
+        for held in joints {
+            let joint = &mut self.model.joints[held.number as usize - 1];
+            joint.nature = Nature::Driven;
+            match held.hold {
+                Hold::Driven => {
+                    joint.has_velocity = true;
+                    joint.has_acceleration = true;
+                }
+                Hold::Locked(position) => {
+                    joint.has_velocity = false;
+                    joint.has_acceleration = false;
+                    joint.initial = [position, 0.0, 0.0];
+                }
+            }
+        }
+    }
+
+    /// Keeps the symbols of parameters that are zero in the model alone.
+    fn keep_needed_symbols(&mut self, words: &ElementStatements) {
+        self.options.all_parameters = words.said().any(|(array, indices, known)| {
+            let present = indices.iter().take_while(|&&index| index > 0).count();
+            kinematics::parameter(&self.general, array, &indices[..present]) == Some(0.0)
+                && known != ElementKnowledge::Bound(0.0)
+        });
     }
 }

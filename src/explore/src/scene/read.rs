@@ -45,8 +45,7 @@ const KEYS: [&str; 19] = [
 ///
 /// # Errors
 ///
-/// Messages that point into the text, or into the text of a file that it
-/// names.
+/// Messages that point into the text, or into that of a file it names.
 pub fn read(name: &str, text: &str, folder: &Path) -> Result<SceneFile, Report> {
     let failed = |problems: DocumentProblems| Report::of(name, text, problems.into_diagnostics());
     let document = parse(text).map_err(|message| Report::of(name, text, vec![message]))?;
@@ -173,8 +172,7 @@ fn wishes(
     Ok(scene)
 }
 
-/// A subject, the remarks of its reader, and the ranges that its file gives
-/// inputs.
+/// A subject, the remarks of its reader, and the ranges that its file gives.
 type ReadSubject = (SceneSubject, Report, Ranges);
 
 /// The model or the equations that a scene names.
@@ -272,7 +270,6 @@ fn model_subject(
     Ok(Some((subject, warnings, Ranges::default())))
 }
 
-/// The outputs that are needed.
 fn outputs(
     file: &DocumentTable<'_>,
     arrays: &SceneArrays,

@@ -1,5 +1,4 @@
-//! The time of the programs of a study on one core of a processor, beside the
-//! cycles of the array.
+//! The times of a study's programs on one core of a processor.
 
 use crate::processor::{Computer, contest};
 use robovec_bench::own::operations;
@@ -15,11 +14,9 @@ use serde::{Deserialize, Serialize};
 pub struct CpuTime {
     /// The model.
     pub model: String,
-    /// The pipeline, or the formulation of a program that is made for
-    /// processors.
+    /// The pipeline, or the formulation of a program made for processors.
     pub pipeline: String,
-    /// Hash of the text of the functions, in hexadecimal: a time is one of
-    /// these and no others.
+    /// Hash of the text of the functions, in hexadecimal.
     pub program: String,
     /// Operations of the function, without sines and cosines.
     pub operations: usize,
@@ -39,8 +36,7 @@ pub struct CpuTime {
 }
 
 impl CpuTime {
-    /// True when it is a measurement of this program by the same compiler on
-    /// the same processor.
+    /// True when this program was measured by the same compiler and processor.
     pub fn is_of(&self, job: &CpuJob<'_>, computer: &Computer) -> bool {
         self.model == job.model
             && self.pipeline == job.pipeline

@@ -14,28 +14,23 @@ pub(super) struct Knee {
     pub number_y: f64,
     /// The smallest equal numbers within 2 % of the longest chain.
     pub equal: Option<Split>,
-    /// The cheapest numbers within 2 % of the longest chain, unequal ones
-    /// included.
+    /// Cheapest numbers within 2 % of the longest chain, unequal ones included.
     pub cheapest: Option<Split>,
     /// The largest equal numbers that are busy nearly all the time.
     pub busiest: Option<Split>,
-    /// The fastest placement of all.
     pub fastest: Option<Split>,
     /// One adder and one multiplier.
     pub single: Option<Split>,
     /// The largest equal numbers placed that fall short of it.
     pub below: Option<Split>,
-    /// True when one element of each kind less was placed too and falls short,
-    /// so that the knee is exact.
+    /// True when one element of each kind less falls short: the knee is exact.
     pub is_exact: bool,
 }
 
 /// Numbers of adders and multipliers, and the length of their schedule.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub(super) struct Split {
-    /// Adders.
     pub n_add: u32,
-    /// Multipliers.
     pub n_multi: u32,
     /// Length of the schedule.
     pub cycles: u32,
@@ -115,7 +110,6 @@ pub(super) const SATURATED: f64 = 1.02;
 pub(super) const BUSY: f64 = 1.10;
 
 robovec_num::named! {
-    /// A zone.
     #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub(super) enum Zone {
@@ -129,8 +123,7 @@ robovec_num::named! {
 }
 
 impl Zone {
-    /// The zone in figures: full while more elements help, tinted in between,
-    /// hollow when they no longer do.
+    /// The zone in figures: full, tinted or hollow as more elements help.
     pub(super) fn mark(self) -> MarkZone {
         MarkZone {
             name: self.name(),

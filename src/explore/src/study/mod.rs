@@ -1,5 +1,4 @@
-//! Studies: many programs placed on many machines, and the conclusions for a
-//! user who has to choose.
+//! Studies: many programs placed on many machines, and the conclusions.
 //!
 //! `plan` lists the points; `run` places them, in parallel, with finished
 //! points kept by [`crate::store`]; `tables` and `figures` are views of the
@@ -23,7 +22,6 @@ mod results;
 mod run;
 mod step;
 mod tables;
-mod variants;
 mod verdict;
 
 pub use cpu::{CpuJob, CpuTime, time};
@@ -61,8 +59,7 @@ pub fn files(results: &Results, times: &[CpuTime]) -> [(&'static str, Vec<(Strin
     [("tables", tables), ("figures", figures), ("", whole)]
 }
 
-/// JSON with one line for each entry of the outermost lists: curves of hundreds
-/// of numbers are not for reading.
+/// JSON with one line for each entry of the outermost lists.
 fn lines(value: &serde_json::Value) -> String {
     let mut text = "{".to_owned();
     for (index, (key, value)) in value.as_object().into_iter().flatten().enumerate() {

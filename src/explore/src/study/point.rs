@@ -47,8 +47,7 @@ pub struct KindPoint {
     pub occupation: OccupationCurve,
 }
 
-/// Places a program and measures the placement, which the verifier has
-/// accepted.
+/// Places a program and measures the placement, which is verified.
 pub(super) fn measure(
     program: &StudyProgram,
     machine: &NamedMachine,

@@ -13,12 +13,9 @@ use std::sync::LazyLock;
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Thesis {
-    /// Table 1.4, by part.
     pub table_1_4: BTreeMap<String, PrintedPart>,
-    /// Table 2.2.
     pub table_2_2: Orders,
-    /// Reasons why rows of unmodified systems differ from ours, by the name of our model
-    /// or by topology.
+    /// Reasons why rows of unmodified systems differ from ours.
     pub why: BTreeMap<String, String>,
     /// Table 3.1, in its order.
     #[serde(rename = "system")]
@@ -38,7 +35,6 @@ pub(super) struct PrintedPart {
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Orders {
-    /// Elements of each kind.
     pub elements: Vec<u32>,
     /// Cycles by the classical order.
     pub alap: Vec<u32>,
@@ -46,11 +42,9 @@ pub(super) struct Orders {
     pub mobility: Vec<u32>,
 }
 
-/// A system of Table 3.1.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PrintedSystem {
-    /// Its name in the table.
     pub name: String,
     /// Degrees of freedom.
     pub dof: u32,
@@ -67,7 +61,6 @@ robovec_num::named! {
     #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub(super) enum SystemTopology {
-        /// The railway bogie.
         Bogie = "bogie",
         /// One chain.
         Serial = "serial",
@@ -80,7 +73,6 @@ robovec_num::named! {
     }
 }
 
-/// A row of Table 3.1.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PrintedRow {
@@ -116,7 +108,6 @@ impl PrintedSystem {
     }
 }
 
-/// The printed results.
 pub(super) fn thesis() -> &'static Thesis {
     static THESIS: LazyLock<Thesis> = LazyLock::new(|| {
         // A test reads it, so it is well formed wherever the program runs.
@@ -125,7 +116,6 @@ pub(super) fn thesis() -> &'static Thesis {
     &THESIS
 }
 
-/// The names of the systems.
 pub(super) fn systems() -> impl Iterator<Item = &'static str> {
     thesis().systems.iter().map(|system| system.name.as_str())
 }

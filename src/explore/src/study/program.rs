@@ -19,10 +19,6 @@ const SEED: u64 = 1;
 /// Source of programs: the caller supplies files and models.
 pub trait ProgramSources: Sync {
     /// The equations of a source: a file, a model, a built-in name.
-    ///
-    /// # Errors
-    ///
-    /// Messages for the user.
     fn equations(&self, subject: &StudySubject) -> Result<Module, Report>;
 }
 
@@ -57,8 +53,7 @@ pub struct ProgramFacts {
 }
 
 impl ProgramFacts {
-    /// The thesis' number Y: operations per cycle of the longest chain, 0 for
-    /// a program without a chain.
+    /// The thesis' Y: operations per cycle of the longest chain, 0 without any.
     pub fn number_y(&self) -> f64 {
         match self.asap_cycle {
             0 => 0.0,
@@ -66,8 +61,7 @@ impl ProgramFacts {
         }
     }
 
-    /// The median and the worst error in binary32, relative to the largest element of
-    /// an array.
+    /// Median and worst error in binary32, relative to the largest element.
     pub(super) fn errors(&self) -> [f64; 2] {
         let normwise = self.rounding[1].normwise;
         [normwise.median * UNIT, normwise.worst * UNIT]
@@ -91,10 +85,6 @@ pub struct StudyEquations {
 
 impl StudyEquations {
     /// Reads or generates a model and picks the function.
-    ///
-    /// # Errors
-    ///
-    /// Messages for the user.
     pub fn load(
         subject: &StudySubject,
         sources: &dyn ProgramSources,
@@ -178,8 +168,7 @@ fn pick(module: &mut Module, subject: &StudySubject) -> Result<(), Report> {
     Err(Report::error(message, notes))
 }
 
-/// Additions and multiplications on one of the longest chains: the first, by
-/// program order, at every fork.
+/// Additions and multiplications on the first of the longest chains.
 fn kinds_on_path(function: &robovec_ir::Function, machine: &Machine) -> [u32; 2] {
     use robovec_analysis::critical_path::{Weights, arrivals};
     let weights = Weights::cycles(machine);

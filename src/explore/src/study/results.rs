@@ -59,8 +59,7 @@ impl<'a> StudyPlacement<'a> {
         )
     }
 
-    /// The hardware: memories and buffers as large as the program needs, unless
-    /// the machine fixes their size.
+    /// The hardware: memories and buffers of needed size, unless that is fixed.
     pub(super) fn shape(&self) -> MachineShape {
         let kinds = &self.point.kinds;
         let most = |words: [f64; 2]| words[0].max(words[1]) as u32;
@@ -75,8 +74,7 @@ impl<'a> StudyPlacement<'a> {
         shape
     }
 
-    /// The machine's share of the device, by formulas; above 1 it does not fit.
-    /// `None` where there is no placement.
+    /// The machine's share of the device; above 1, or none, it does not fit.
     pub(super) fn share(&self) -> Option<f64> {
         let shape = self.point.failure.is_none().then(|| self.shape())?;
         Some(device::taken_by(&shape, shape.device).share(shape.device))
@@ -132,9 +130,8 @@ impl<'a> StudiedProgram<'a> {
         })
     }
 
-    /// The usual placements that the plan requests with equal numbers of adders
-    /// and multipliers, in ascending number; of many, those whose number is a
-    /// power of two.
+    /// The usual placements of the plan with equal numbers of adders and
+    /// multipliers, ascending; of many, those whose number is a power of two.
     pub(super) fn ladder(&self) -> Vec<StudyPlacement<'a>> {
         let requests = &self.results.plan.requests;
         let mut equal: Vec<StudyPlacement<'a>> = (self.usual())
@@ -158,9 +155,8 @@ impl<'a> StudiedProgram<'a> {
         all.into_iter().filter(within).collect()
     }
 
-    /// Of each total of a grid the placement with the fewest cycles, then nearest to
-    /// equal numbers, then with more multipliers; as far as the grid has all splits
-    /// of a total.
+    /// Of each total with all splits in a grid the placement of the fewest
+    /// cycles, then nearest to equal numbers, then with more multipliers.
     pub(super) fn best_splits(&self) -> Vec<StudyPlacement<'a>> {
         let mut sorted = self.grid();
         let adders = sorted.iter().map(|placed| placed.request.n_add);
@@ -221,8 +217,7 @@ impl Results {
             .filter(|program| program.place[0] == self.plan.headline)
     }
 
-    /// The program of the headline as the original pipeline leaves it, on the machine
-    /// of the ordinary figures.
+    /// The headline's program by the original pipeline, on the usual machine.
     pub(super) fn original_headline(&self) -> Option<StudiedProgram<'_>> {
         let original = self.original();
         self.of_headline()
@@ -245,8 +240,7 @@ impl Results {
         self.program([model, pipeline, machine]).is_some()
     }
 
-    /// The machine of the ordinary figures: the first of the plan that is no
-    /// couple.
+    /// Machine of the ordinary figures: the plan's first that is no couple.
     pub fn main_machine(&self) -> Option<usize> {
         let machines = &self.plan.machines;
         let ordinary = machines.iter().position(|machine| machine.couple.is_none());
@@ -328,4 +322,48 @@ impl Results {
             "points": points.collect::<Vec<_>>(),
         })
     }
+}
+
+/// Models with the same source, in the plan's order, without groups of one.
+pub(super) fn groups(results: &Results) -> Vec<Vec<usize>> {
+    let models = &results.plan.models;
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (index, subject) in models.iter().enumerate() {
+        let same = |group: &&mut Vec<usize>| {
+            let first = &models[group[0]];
+            (&first.source, &first.function) == (&subject.source, &subject.function)
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(index),
+            None => groups.push(vec![index]),
+        }
+    }
+    groups.retain(|group| group.len() > 1);
+    groups
+}
+
+/// True for a model that is another formulation of one before it.
+pub(super) fn is_variant(results: &Results, model: usize) -> bool {
+    let groups = groups(results);
+    groups.iter().any(|group| group[1..].contains(&model))
+}
+
+/// Label that distinguishes a model from others of its group.
+pub(super) fn label(subject: &StudySubject) -> String {
+    let style = &subject.style;
+    match (
+        style.formulation.as_str(),
+        style.expanded,
+        style.child_first,
+    ) {
+        ("recursive", true, _) => "recursive, as Robotran".to_owned(),
+        ("recursive", false, true) => "recursive, children first".to_owned(),
+        (formulation, ..) => formulation.to_owned(),
+    }
+}
+
+/// The pipeline that compares formulations: of short chains, or the last.
+pub(super) fn pipeline(results: &Results) -> Option<usize> {
+    let shortened = results.pipeline(Printed::Modified);
+    shortened.or(results.plan.pipelines.len().checked_sub(1))
 }

@@ -1,9 +1,7 @@
-//! Running a plan: every program is made once and placed for every number of
-//! elements from memory.
+//! Running a plan: every program is made once and placed for all elements.
 //!
 //! Models follow one another, so that only two of them are in memory: while one
-//! is placed, on all cores, the next is made ready. Results have the order of
-//! their requests, for any order of work.
+//! is placed, on all cores, the next is made ready. Results are in order.
 
 use super::knee::is_saturated;
 use super::plan::{NamedMachine, NamedPipeline, PlacementRequest, StudyPlan};
@@ -34,8 +32,7 @@ pub struct StudyOutcome {
 /// # Errors
 ///
 /// Fails when a model cannot be read, a pipeline fails, or a point cannot be
-/// stored. A program that a machine cannot hold is no error: its point records
-/// it.
+/// stored. An impossible placement is no error: its point records it.
 pub fn run(
     plan: &StudyPlan,
     sources: &dyn ProgramSources,
@@ -94,7 +91,6 @@ struct PreparedModel {
 type FoundPlacement = (PlacementRequest, PlacedPoint, bool);
 
 impl StudyRunner<'_> {
-    /// The models of the requests.
     fn models(&self) -> Vec<usize> {
         let mut models: Vec<usize> = self.plan.requests.iter().map(|r| r.model).collect();
         models.dedup();
@@ -194,9 +190,8 @@ impl StudyRunner<'_> {
         Ok((request, point, reused))
     }
 
-    /// Halves the distance between the largest equal numbers that fall short
-    /// of the longest chain and the smallest that reach it, until they are
-    /// neighbours.
+    /// Halves the distance of the largest equal numbers that fall short of the
+    /// longest chain from the smallest that reach it, to one.
     fn knee(
         &self,
         prepared: &PreparedModel,

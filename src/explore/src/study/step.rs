@@ -1,17 +1,14 @@
-//! The whole step of a system from its functions: loops closed, then
-//! accelerations.
+//! The whole step of a system by functions: loops closed, then accelerations.
 //!
 //! A plan names the functions of a step as separate models with one source.
-//! This module combines them: the calls of a step, all of them on one machine
-//! with the same elements.
+//! This module combines them on one machine with the same elements.
 
 use super::plan::StudySubject;
 use super::results::{Results, StudiedProgram, StudyPlacement};
 use robovec_robotran::FunctionKind;
 use std::collections::BTreeMap;
 
-/// Rounds of Newton's method that a step is counted with. In a motion the
-/// joints start at the end of the step before.
+/// Rounds of Newton's method that a step is counted with.
 pub(super) const ROUNDS: u32 = 2;
 
 /// The functions of a step, in the order of their calls, and the number of
@@ -22,8 +19,7 @@ pub(super) const PARTS: [(FunctionKind, u32); 3] = [
     (FunctionKind::Accelred, 1),
 ];
 
-/// The functions of one system's step, by their places in the plan. A system
-/// without loops has the last one alone.
+/// The functions of a system's step, by places; without loops the last.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct StudyStep {
     /// The models of [`PARTS`].
@@ -31,7 +27,6 @@ pub(super) struct StudyStep {
 }
 
 impl StudyStep {
-    /// The model of the accelerations.
     pub(super) fn accelerations(&self) -> usize {
         self.models[2].expect("a step has accelerations")
     }
@@ -60,7 +55,6 @@ pub(super) fn steps(results: &Results) -> Vec<StudyStep> {
     steps.filter(is_whole).collect()
 }
 
-/// A step on a machine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedStep<'a> {
     /// The placements of [`PARTS`].
@@ -70,8 +64,7 @@ pub(super) struct PlacedStep<'a> {
 }
 
 impl PlacedStep<'_> {
-    /// Share of its device that the machine takes: that of the function that takes
-    /// most.
+    /// The machine's share of its device, of the function that takes most.
     pub(super) fn share(&self) -> f64 {
         let parts = self.parts.iter().flatten();
         parts.filter_map(StudyPlacement::share).fold(0.0, f64::max)
@@ -83,8 +76,7 @@ impl PlacedStep<'_> {
     }
 }
 
-/// The placements of a step by the usual order and choice that have all its
-/// functions, in the plan's order.
+/// The placements of a step by the usual order that have all functions.
 pub(super) fn placed<'a>(
     results: &'a Results,
     step: &StudyStep,

@@ -3,8 +3,8 @@
 use super::knee::{BUSY, SATURATED};
 use super::knee::{Knee, Split, knee};
 use super::program::ProgramFacts;
+use super::results;
 use super::results::{Results, StudiedProgram};
-use super::variants;
 use robovec_error::yardstick::account::measure_text;
 use robovec_fpga::hardware::MachineClock;
 use robovec_ir::diagnostic::counted;
@@ -20,7 +20,6 @@ pub(super) struct StudyVerdict {
     /// Label that distinguishes its equations from others of the system.
     pub formulation: String,
     pub pipeline: String,
-    /// The answer in one sentence.
     pub answer: String,
     /// Share of the device and error.
     pub cost: String,
@@ -32,8 +31,7 @@ pub(super) struct StudyVerdict {
     pub knee: Knee,
 }
 
-/// The verdict about every program on the machine of the ordinary figures:
-/// the headline model first.
+/// Verdicts about programs on the ordinary machine, the headline model first.
 pub(super) fn verdicts(results: &Results) -> Vec<StudyVerdict> {
     let mut programs: Vec<StudiedProgram<'_>> = results.ordinary().collect();
     programs.sort_by_key(|program| program.place[0] != results.plan.headline);
@@ -46,8 +44,7 @@ pub(super) fn of_headline(results: &Results) -> Vec<StudyVerdict> {
     programs.filter_map(|program| verdict(&program)).collect()
 }
 
-/// The fastest of some pipelines beside the first, each with its recommended
-/// elements, in one line.
+/// The fastest of some pipelines beside the first, each at its knee, in a line.
 pub(super) fn headline(verdicts: &[StudyVerdict]) -> String {
     let split = |verdict: &StudyVerdict| verdict.knee.cheapest.or(verdict.knee.fastest);
     let placed = verdicts.iter().filter_map(|one| Some((one, split(one)?)));
@@ -92,7 +89,7 @@ pub(super) fn verdict(program: &StudiedProgram<'_>) -> Option<StudyVerdict> {
     Some(StudyVerdict {
         model: facts.model.clone(),
         system: subject.source.clone(),
-        formulation: variants::label(subject),
+        formulation: results::label(subject),
         pipeline: facts.pipeline.clone(),
         answer: answer(facts, &knee, clock),
         cost: cost(facts, &knee),

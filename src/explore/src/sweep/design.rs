@@ -117,8 +117,7 @@ impl DesignSpace {
         pairs.filter(|&[a, b]| a.max(b) <= a.min(b).saturating_mul(self.ratio))
     }
 
-    /// Number of designs, and total number of instances in them, without making
-    /// them.
+    /// Number of designs, and of all instances in them, without making them.
     pub fn count(&self) -> (u64, u64) {
         let designs = self.axes(self.pairs().count()).count();
         let instances: u64 = self.instances.iter().copied().map(u64::from).sum();

@@ -5,8 +5,7 @@
 //! and of the full one from its vendor's power estimator or a meter; the power
 //! of a design is interpolated between the two by its share of the device.
 //! Without figures only the break-even is reported: a design takes less energy
-//! than a processor as long as the ratio of their powers is below the inverse
-//! ratio of their times.
+//! than a processor if the ratio of powers is below the inverse ratio of times.
 
 use super::FunctionSweep;
 use robovec_num::limits::NumberLimit;
@@ -31,8 +30,7 @@ pub struct PowerFigures {
 }
 
 impl FunctionSweep {
-    /// Adds the energy of an evaluation to every point, and to the processor's
-    /// time if there is one.
+    /// Adds the energy of an evaluation to points and the processor.
     pub(super) fn add_energy(&mut self, power: PowerFigures) {
         for point in &mut self.points {
             let used = (power.full_watts - power.idle_watts) * point.share.min(1.0);
@@ -44,8 +42,7 @@ impl FunctionSweep {
         self.power = Some(power);
     }
 
-    /// The design of the smallest energy, and a comparison with the processor;
-    /// empty where neither power nor time of a processor is known.
+    /// The design of the smallest energy beside the processor, if known.
     pub(super) fn energy(&self) -> Vec<String> {
         let fitting = || self.points.iter().filter(|point| point.share <= 1.0);
         let mut texts = Vec::new();

@@ -82,11 +82,9 @@ pub struct SweepPoint {
     pub energy_uj: Option<f64>,
     /// Resources of the machine.
     pub resources: DeviceShare,
-    /// The largest of its shares of the device; above 1 it does not
-    /// fit.
+    /// Largest of its shares of the device; above 1 it does not fit.
     pub share: f64,
-    /// No other point takes less and is as fast, or is faster and takes no
-    /// more.
+    /// No other point takes less and is as fast, or is faster for no more.
     pub on_front: bool,
 }
 
@@ -107,8 +105,7 @@ pub struct FunctionSweep {
     pub points: Vec<SweepPoint>,
     /// Designs the program could not be placed on, and why.
     pub failures: Vec<(MachineDesign, String)>,
-    /// Time of one evaluation in binary64 by the fastest generated C on one
-    /// core of this computer, µs.
+    /// Time of an evaluation in binary64 by the fastest C, on one core, µs.
     pub cpu_us: Option<f64>,
     /// The same per evaluation in batches of eight.
     pub cpu_batch_us: Option<f64>,
@@ -130,8 +127,7 @@ pub struct FunctionSweep {
 pub struct SweepQuestion<'a> {
     /// The designs.
     pub space: &'a DesignSpace,
-    /// Pipelines that make the programs to be placed; programs are searched where
-    /// there are none.
+    /// Pipelines that make the programs to be placed; empty for a search.
     pub passes: &'a [String],
     /// Also time the function on a processor.
     pub cpu: bool,
@@ -142,13 +138,7 @@ pub struct SweepQuestion<'a> {
 }
 
 impl SweptProgram {
-    /// A program, one function at the level atomic, with its errors against
-    /// the function it was made from.
-    ///
-    /// # Errors
-    ///
-    /// Fails when it reads or computes something that the yardstick's function
-    /// does not.
+    /// An atomic program of one function, with its errors against the original.
     fn new(
         name: String,
         module: Module,
@@ -167,15 +157,13 @@ impl SweptProgram {
     }
 }
 
-/// Places programs of a function on every design of a space, keeps the one with
-/// the shortest schedule for each design, and times a processor for comparison;
-/// or places them on a share of the designs.
+/// Places programs on every design of a space, or of a share, keeps the
+/// shortest for each design, and times a processor for comparison.
 ///
 /// # Errors
 ///
-/// Fails when a pass gives up, no design is large enough for the function, the
-/// designs are too many for the programs' size, or a placement cannot be
-/// stored.
+/// Fails when a pass gives up, no design is large enough for the function,
+/// designs are too many for the programs' size, or a placement is not stored.
 pub fn sweep(
     function: &ExploredFunction,
     question: &SweepQuestion<'_>,
@@ -234,8 +222,7 @@ fn timed(module: &Module) -> Result<Result<ProcessorTimes, String>, ExplorationE
     })
 }
 
-/// The programs of the pipelines, or those that the search finds for the fewest
-/// elements of a space, the most, and between.
+/// The programs of pipelines, or those searched for the space's elements.
 fn programs(
     function: &ExploredFunction,
     question: &SweepQuestion<'_>,
@@ -304,8 +291,7 @@ fn point(design: MachineDesign, placement: DesignPlacement) -> SweepPoint {
     }
 }
 
-/// Marks the points that no other one beats in share and time per
-/// evaluation; of equal points the first.
+/// Marks the points that none beats in share and time; of equal ones one.
 fn mark_front(points: &mut [SweepPoint]) {
     let measures = |point: &SweepPoint| [point.share, point.us_per_evaluation];
     let all: Vec<[f64; 2]> = points.iter().map(measures).collect();

@@ -33,9 +33,8 @@ pub(super) struct DesignPlacement {
 /// A design and its result: a placement, or why there is none.
 type PlacedDesign = (MachineDesign, Result<DesignPlacement, String>);
 
-/// Places programs on the designs of a share, in the order of the space; those
-/// that are kept are found, and the others kept. The second result is the
-/// number found.
+/// Places programs on the designs of a share, in the order of the space, or
+/// finds those kept. The second result is the number found.
 pub(super) fn place(
     programs: &[SweptProgram],
     space: &DesignSpace,
@@ -75,8 +74,7 @@ fn interleaved(program: &SweptProgram, count: u32) -> Result<Module, Exploration
     transformed_by(&program.module, &passes, &thesis(), None)
 }
 
-/// Places the programs on a machine, except for those whose bound is no shorter
-/// than a schedule that is known.
+/// Places programs on a machine that may be shorter than a known schedule.
 fn shortest(programs: &[Module], machine: &Machine) -> Result<DesignPlacement, String> {
     let bounds = programs.iter().enumerate().map(|(index, program)| {
         let bound = schedule_bound(&program.functions[0], machine);

@@ -3,7 +3,7 @@
 use super::{FunctionSweep, SweepPoint, SweptProgram};
 use crate::captions;
 use crate::exploration::Exploration;
-use crate::front::STEPS;
+use crate::front::{STEPS, front_curve};
 use robovec_error::yardstick::account::{ERROR_HEADS, measure_text};
 use robovec_ir::diagnostic::counted;
 use robovec_present::number::{exponential, share_percent};
@@ -13,7 +13,6 @@ use robovec_present::{
     AxisScale, ColumnList, Curve, DataTable, Figure, Mark, Paint, Panel, PlotAxis, Stroke, columns,
 };
 
-/// The table of programs.
 fn programs(sweep: &FunctionSweep) -> String {
     type Row<'a> = (usize, &'a SweptProgram);
     let [median, worst] = ERROR_HEADS;
@@ -46,7 +45,6 @@ fn stages_text((_, point): &DesignRow<'_>) -> String {
         .join(", ")
 }
 
-/// The columns of the terminal.
 fn short_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {
     columns! { DesignRow<'_>;
         "share %", [Decimals(1), All], |row| 100.0 * row.1.share;
@@ -96,8 +94,7 @@ fn design_columns<'a>() -> ColumnList<'a, DesignRow<'a>> {
 }
 
 impl FunctionSweep {
-    /// The fastest design that fits the device, the smallest of equally fast
-    /// ones.
+    /// The fastest design that fits the device, the smallest of equal ones.
     fn fastest(&self) -> Option<&SweepPoint> {
         let mut front = self.front();
         front.retain(|point| point.share <= 1.0);
@@ -229,7 +226,6 @@ impl Exploration for FunctionSweep {
         lines
     }
 
-    /// The front, from the smallest design on.
     fn short_table(&self) -> String {
         let rows: Vec<DesignRow<'_>> = thinned(&self.front(), SHOWN)
             .into_iter()
@@ -238,7 +234,6 @@ impl Exploration for FunctionSweep {
         short_columns().text(&rows)
     }
 
-    /// Programs, and the whole front.
     fn details(&self) -> String {
         let front = self.front().into_iter();
         let rows: Vec<DesignRow<'_>> = front.map(|point| (self, point)).collect();
@@ -257,7 +252,6 @@ impl Exploration for FunctionSweep {
         }
     }
 
-    /// One panel per function: share of the device against time per evaluation.
     fn figure(sweeps: &[FunctionSweep]) -> Figure {
         let panels = sweeps.iter().map(panel).collect();
         let words = [("devices", &*devices(sweeps))];
@@ -283,7 +277,6 @@ impl Exploration for FunctionSweep {
     }
 }
 
-/// The devices of some sweeps.
 fn devices(sweeps: &[FunctionSweep]) -> String {
     distinct(sweeps.iter().map(|sweep| sweep.device.as_str()))
 }
@@ -293,13 +286,7 @@ fn panel(sweep: &FunctionSweep) -> Panel {
     let mut instances: Vec<u32> = sweep.points.iter().map(|p| p.design.instances).collect();
     instances.sort_unstable();
     instances.dedup();
-    let front = sweep.front().into_iter().map(mark);
-    let mut curves = vec![Curve::new(
-        "front",
-        Paint::Distinct(0),
-        Stroke::Steps,
-        front,
-    )];
+    let mut curves = vec![front_curve(sweep.front().into_iter().map(mark))];
     for (place, count) in instances.into_iter().enumerate() {
         let own = sweep.points.iter();
         let own = own.filter(|point| point.design.instances == count);

@@ -7,9 +7,8 @@ use crate::captions;
 use crate::operators::{ADDERS, MEMORY_CAP_MHZ, MULTIPLIERS, Operator, couples};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke};
 
-/// The couples that thesis 1.2.3 compares. It names adders of 3 and
-/// multipliers of 2 stages with 72 MHz; by its Table 1.3 that is 63 MHz, and
-/// 72 MHz belong to 3 and 3 stages.
+/// The couples that thesis 1.2.3 compares. It names 3 and 2 stages with 72 MHz;
+/// by its Table 1.3 these have 63 MHz, and 3 and 3 stages 72 MHz.
 const COMPARED: [[u32; 2]; 3] = [[3, 3], [6, 4], [10, 5]];
 
 /// Figure 1.9.
@@ -29,8 +28,7 @@ pub(super) fn operators() -> Option<Figure> {
     captions::figure("figure-1.9", "figure-1.9", &[], panels)
 }
 
-/// A figure of placements at a clock: its number, its quantity, its axis, and the
-/// value of a placement.
+/// A figure of placements at a clock: number, quantity, axis and values.
 type VariantFigure = (
     &'static str,
     &'static str,

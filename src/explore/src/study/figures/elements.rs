@@ -2,8 +2,8 @@
 //! against the number of elements; formulations and unequal numbers.
 
 use super::super::program::ProgramFacts;
+use super::super::results;
 use super::super::results::{Results, StudiedProgram, StudyPlacement};
-use super::super::variants;
 use super::{elements, label, percentage};
 use crate::captions::{self, Words};
 use robovec_present::{AxisScale, Curve, Figure, Mark, Paint, Panel, PlotAxis, Stroke, TileMap};
@@ -75,7 +75,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
             figures.extend(figure(results, members, quantity, &name, &words));
         }
         let own = |model: &usize| {
-            results.system(*model).is_none() && !variants::is_variant(results, *model)
+            results.system(*model).is_none() && !results::is_variant(results, *model)
         };
         for model in models().filter(own) {
             let label = &results.plan.models[model].name;
@@ -148,12 +148,12 @@ fn guidance(facts: &ProgramFacts, ends: [u32; 2], quantity: Quantity) -> Vec<Mar
 
 /// Formulations of the same system, compared.
 pub(super) fn formulations(results: &Results) -> Option<Figure> {
-    let (machine, pipeline) = (results.main_machine()?, variants::pipeline(results)?);
+    let (machine, pipeline) = (results.main_machine()?, results::pipeline(results)?);
     let panel = |group: &Vec<usize>| {
         let curves = group.iter().enumerate().filter_map(|(index, &model)| {
             let program = results.program([model, pipeline, machine])?;
             let marks = Quantity::Cycles.marks(&program.ladder());
-            let label = variants::label(program.subject());
+            let label = results::label(program.subject());
             Some(Curve::new(
                 label,
                 Paint::Distinct(index),
@@ -165,13 +165,12 @@ pub(super) fn formulations(results: &Results) -> Option<Figure> {
         let title = results.plan.models[group[0]].source.clone();
         Panel::curves(title, elements(), Quantity::Cycles.axis(), curves)
     };
-    let panels: Vec<Panel> = variants::groups(results).iter().map(panel).collect();
+    let panels: Vec<Panel> = results::groups(results).iter().map(panel).collect();
     let words = [("pipeline", results.plan.pipelines[pipeline].name.as_str())];
     captions::figure("formulations", "formulations", &words, panels)
 }
 
-/// Unequal numbers of adders and multipliers: a map of cycles, and the best split of
-/// every total.
+/// Unequal numbers of adders and multipliers: a map of cycles, and best splits.
 pub(super) fn splits(results: &Results) -> Option<Figure> {
     let panel = |program: StudiedProgram<'_>| {
         let placed = program.grid();

@@ -1,5 +1,4 @@
-//! Figures 2.4 to 2.7: words of memory and of buffer by the naive and by the
-//! preferential choice of elements.
+//! Figures 2.4 to 2.7: words of memory and buffer by naive and other choice.
 
 use super::super::printed::SystemTopology;
 use super::super::results::{Results, StudyPlacement};
@@ -40,8 +39,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     figures
 }
 
-/// Words of memory (part 0) or of buffer, of adders and of multipliers; empty
-/// where one of the choices was not placed.
+/// Words of memory (part 0) or of buffer, by kind; empty where incomplete.
 fn panels(results: &Results, place: [usize; 3], part: usize, what: &str) -> Vec<Panel> {
     let points = |choice: ElementChoice| -> Vec<StudyPlacement<'_>> {
         let options = PlaceOptions {

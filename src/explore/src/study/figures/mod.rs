@@ -1,5 +1,4 @@
-//! The figures of a study, each named by its number in the thesis; figures that
-//! the thesis does not have get other names.
+//! The figures of a study, each named by its number in the thesis, if any.
 //!
 //! Drawings of principle (figures 1.1 to 1.8, 2.1 to 2.3, 2.8 to 2.11, 3.1 to
 //! 3.3 and those of the appendix) show no results and have no counterpart.
@@ -34,7 +33,6 @@ fn elements() -> PlotAxis {
     PlotAxis::new(title, AxisScale::PowersOfTwo)
 }
 
-/// An axis of per cents.
 fn percentage(title: &str) -> PlotAxis {
     PlotAxis::new(title, AxisScale::Linear).showing(0.0, 100.0)
 }

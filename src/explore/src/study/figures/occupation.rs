@@ -2,14 +2,14 @@
 
 use super::super::plan::Printed;
 use super::super::printed::{PrintedSystem, SystemTopology};
+use super::super::results;
 use super::super::results::{Results, StudiedProgram};
-use super::super::variants;
 use super::{label, percentage};
 use crate::captions;
 use robovec_present::{Curve, Figure, Mark, Paint, Panel, Stroke};
 
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
-    let shown = |program: &StudiedProgram<'_>| !variants::is_variant(results, program.place[0]);
+    let shown = |program: &StudiedProgram<'_>| !results::is_variant(results, program.place[0]);
     let mut programs: Vec<StudiedProgram<'_>> = results.ordinary().filter(shown).collect();
     // In the order of the thesis, then what it does not have.
     programs.sort_by_key(|program| {

@@ -18,8 +18,7 @@ const TOPOLOGIES: [SystemTopology; 3] = [
     SystemTopology::Parallel,
 ];
 
-/// Intercept and slope of the line through points that is best by least squares; `None`
-/// for fewer than two different abscissae.
+/// Intercept and slope of the best line; `None` for fewer than two abscissae.
 fn fit(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let count = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;

@@ -1,8 +1,7 @@
 //! The report: one HTML file that needs nothing else.
 //!
-//! Figures are inserted as drawn for paper, tables as HTML, points as JSON for
-//! the chart that a reader composes. **Invariant.** The page refers to no other
-//! file and no address.
+//! Figures are those for paper, tables are HTML, points JSON for a chart that a
+//! reader composes. **Invariant.** The page refers to no file or address.
 
 use super::cpu::CpuTime;
 use super::results::Results;
@@ -22,7 +21,6 @@ const SCRIPT: &str = include_str!("page.js");
 /// Tables with more rows than this are left to the files.
 const LONGEST_TABLE: usize = 400;
 
-/// The report as HTML.
 pub(super) fn page(
     results: &Results,
     tables: &[DataTable],
@@ -61,8 +59,7 @@ pub(super) fn page(
     page::fill(TEMPLATE, &parts)
 }
 
-/// A table as HTML, most with a link to their file; data of the thesis are
-/// folded.
+/// A table as HTML, most with a link to their file; the thesis' are folded.
 fn table(table: &DataTable) -> String {
     match table.name.as_str() {
         "cpu" | "winners" | "whole-step-cpu" => page::table(table, ""),
@@ -75,7 +72,6 @@ fn file(name: &str) -> String {
     format!("tables/{name}.csv")
 }
 
-/// Data of the script.
 fn data(results: &Results, cpu: &[CpuTime]) -> Value {
     let plan = &results.plan;
     let machine = results
@@ -150,7 +146,7 @@ fn method(results: &Results) -> String {
     for model in &plan.models {
         let row = model.printed.as_ref();
         let stands = or_nothing(row, |row| format!(", for the thesis' {row}"));
-        let label = super::variants::label(model);
+        let label = super::results::label(model);
         let about = format!(": {}, equations {label}{stands}", model.source);
         item("Model", &model.name, &Escaped(&about).to_string());
     }

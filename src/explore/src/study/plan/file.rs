@@ -4,7 +4,6 @@ use robovec_schedule::{ElementChoice, Priority};
 use serde::Deserialize;
 use toml::Spanned;
 
-/// A plan file.
 #[derive(Deserialize, Debug)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PlanFile {
@@ -14,16 +13,12 @@ pub(super) struct PlanFile {
     pub(super) description: String,
     /// The model that the verdict at the top of the report is about.
     pub(super) headline: Option<Spanned<String>>,
-    /// True if the exact knees are searched for.
     #[serde(default, rename = "exact-knees")]
     pub(super) exact_knees: bool,
-    /// Style of the generated equations.
     #[serde(default)]
     pub(super) generate: StyleEntry,
-    /// The models.
     #[serde(rename = "model")]
     pub(super) models: Vec<ModelEntry>,
-    /// The pipelines.
     #[serde(rename = "pipeline")]
     pub(super) pipelines: Vec<PipelineEntry>,
     /// Sweeps: programs and their machines.
@@ -31,14 +26,11 @@ pub(super) struct PlanFile {
     pub(super) sweeps: Vec<SweepEntry>,
 }
 
-/// A model.
 #[derive(Deserialize, Debug)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ModelEntry {
-    /// Its name in results.
     pub(super) name: Spanned<String>,
-    /// A file of equations, a model file, or a built-in model; by default the
-    /// name.
+    /// A file of equations or of a model, or a built-in model; else the name.
     pub(super) source: Option<Spanned<String>>,
     /// The function studied, where there are several.
     pub(super) function: Option<String>,
@@ -65,11 +57,9 @@ pub(super) struct StyleEntry {
     pub(super) all_parameters: Option<bool>,
 }
 
-/// A pipeline.
 #[derive(Deserialize, Debug)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PipelineEntry {
-    /// Its name in results.
     pub(super) name: Spanned<String>,
     /// Its passes, without placement.
     pub(super) passes: Spanned<String>,
@@ -88,8 +78,7 @@ pub(super) struct SweepEntry {
     pub(super) pipelines: Option<Vec<Spanned<String>>>,
     /// Machines: names, files, `couples`.
     pub(super) machines: Option<Vec<Spanned<String>>>,
-    /// Adders and multipliers: `n` for n of each, `[a, m]` for unequal
-    /// numbers.
+    /// Adders and multipliers: `n` for n of each, or `[a, m]`.
     #[serde(default)]
     pub(super) elements: Vec<Spanned<ElementsEntry>>,
     /// Every number of adders with every number of multipliers.

@@ -2,8 +2,7 @@
 //!
 //! A plan is read from TOML and resolved here once and for all: afterwards
 //! every name is an index, every pipeline is parsed, every machine is read, and
-//! the placements are a sorted list without repetitions. The whole plan is
-//! checked before any computation starts.
+//! placements are a sorted list without repetitions. All is checked first.
 
 mod file;
 mod resolve;
@@ -56,8 +55,7 @@ pub struct StudyPlan {
     pub pipelines: Vec<NamedPipeline>,
     /// The machines.
     pub machines: Vec<NamedMachine>,
-    /// True if the smallest equal numbers that reach the longest chain are
-    /// searched for.
+    /// True for a search of the smallest equal numbers at the longest chain.
     pub exact_knees: bool,
     /// The placements, sorted, each once.
     pub requests: Vec<PlacementRequest>,
@@ -70,8 +68,7 @@ pub struct StudySubject {
     pub name: String,
     /// A file of equations, a model file, or the name of a built-in model.
     pub source: String,
-    /// The folder of the plan, where files are looked for first; `None` for
-    /// a source from the command line.
+    /// Folder of the plan, where files are looked for first, if there is one.
     #[serde(skip)]
     pub folder: Option<PathBuf>,
     /// The function studied; by default the only one, or `dirdyna`.
@@ -81,8 +78,7 @@ pub struct StudySubject {
     /// True if only sweeps that name it include it.
     #[serde(skip)]
     pub by_name: bool,
-    /// Style of equations generated from a model; files of equations are
-    /// unchanged.
+    /// Style of equations generated from a model.
     pub style: GenerationStyle,
 }
 
@@ -140,8 +136,7 @@ pub struct NamedMachine {
 }
 
 impl NamedMachine {
-    /// The clock used in the study: the published one of the machine, else the
-    /// estimate.
+    /// Clock used in the study: the machine's published one, else the estimate.
     pub fn clock(&self) -> MachineClock {
         hardware::published_clock(&self.machine)
     }
@@ -176,8 +171,7 @@ impl PlacementRequest {
 pub struct Selection<'a> {
     /// The folder of the plan's file, `None` for a built-in plan.
     pub folder: Option<&'a Path>,
-    /// Models of the plan, or sources of others; none for those of the plan, here and
-    /// below.
+    /// Models of the plan or sources; none for the plan's, here and below.
     pub models: &'a [String],
     /// Pipelines of the plan, or pipelines as text.
     pub pipelines: &'a [String],

@@ -16,8 +16,7 @@ use std::path::Path;
 /// The name that means the model of the verdict.
 pub(super) const HEADLINE: &str = "headline";
 
-/// The maximum number of placements of a study; a larger number is probably a
-/// mistake in the plan.
+/// Maximum number of placements of a study; more are probably a mistake.
 pub(super) const MAX_PLACEMENTS: usize = 1_000_000;
 
 /// Reads a machine by name or file; messages are the reader's own.
@@ -27,8 +26,7 @@ pub(super) type ReadMachine<'a> = &'a dyn Fn(&str) -> Result<robovec_ir::Machine
 ///
 /// # Errors
 ///
-/// Messages for the user, with a caret under each place of the plan that is
-/// wrong.
+/// Messages for the user, with a caret under each wrong place of the plan.
 pub fn resolve(
     name: &str,
     text: &str,
@@ -274,8 +272,7 @@ fn pick_model(all: &[StudySubject], wanted: &str, style: &GenerationStyle) -> St
     }
 }
 
-/// The model with a name that no other has: files in different folders may
-/// share theirs.
+/// The model with a unique name: files in different folders may share theirs.
 fn unique(mut model: StudySubject, others: &[StudySubject]) -> StudySubject {
     let stem = model.name.clone();
     let mut number = 1;

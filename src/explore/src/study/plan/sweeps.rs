@@ -93,8 +93,7 @@ impl PlanResolver<'_> {
         names.iter().filter_map(place).collect()
     }
 
-    /// The place of a name in a list; a sweep skips the entries that the
-    /// command line excludes from the list.
+    /// The place of a name in a list, without the entries excluded.
     fn named(
         &mut self,
         what: &str,
@@ -234,8 +233,7 @@ impl PlanResolver<'_> {
 /// The word for all couples in lists of machines.
 const COUPLES: &str = "couples";
 
-/// The machines of all couples: the thesis' machine with their stages and
-/// clock.
+/// Machines of all couples: the thesis' machine with their stages and clock.
 fn couple_machines() -> impl Iterator<Item = NamedMachine> {
     couples().into_iter().map(couple_machine)
 }

@@ -1,7 +1,5 @@
-//! The tables of a study, each named by its number in the thesis; tables that
-//! the thesis does not have get other names.
+//! The tables of a study, each named by its number in the thesis, if any.
 
-mod operators;
 mod placements;
 pub(super) mod processors;
 mod programs;
@@ -13,7 +11,7 @@ use robovec_present::DataTable;
 
 /// All tables for which the study has points.
 pub(super) fn all(results: &Results) -> Vec<DataTable> {
-    let mut tables = operators::tables();
+    let mut tables = resources::tables();
     let more = [
         resources::table(results),
         placements::ranks(results),

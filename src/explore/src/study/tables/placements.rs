@@ -2,9 +2,9 @@
 
 use super::super::plan::PlacementRequest;
 use super::super::printed::thesis;
+use super::super::results;
 use super::super::results::{Results, StudiedProgram, StudyPlacement};
 use super::super::step::{PARTS, PlacedStep, ROUNDS, placed, steps};
-use super::super::variants;
 use crate::captions;
 use crate::operators::{Couple, MEMORY_CAP_MHZ, couples as all_couples};
 use robovec_error::yardstick::account::ERROR_HEADS;
@@ -33,8 +33,7 @@ pub(super) fn sum([add, multi]: [u32; 2]) -> String {
     format!("{add}+{multi}")
 }
 
-/// Table 2.1: the preference of placement, and the frequency of each rank;
-/// status of the left and of the right operand.
+/// Table 2.1: preference and frequency of ranks; status of both operands.
 const RANKS: [[&str; 2]; 9] = [
     ["memory", "memory"],
     ["memory", "direct"],
@@ -265,7 +264,7 @@ pub(super) fn whole_step(results: &Results) -> Option<DataTable> {
     }
     let mut columns = columns! { WholeStepRow<'_>;
         "system", [Hidden, All], |row| row.program.subject().source.as_str();
-        "formulation", [Hidden, All], |row| variants::label(row.program.subject());
+        "formulation", [Hidden, All], |row| results::label(row.program.subject());
         "pipeline", [Hidden, All], |row| row.program.pipeline().name.as_str();
         "machine", [Hidden, All], |row| row.program.facts.machine.as_str();
         "adders + multipliers", [Hidden, All], |row| sum(row.placed.accelerations().counts());

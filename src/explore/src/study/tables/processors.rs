@@ -95,8 +95,7 @@ struct WinnerRow<'a> {
     batch: Option<f64>,
 }
 
-/// For every model the fastest placed program and the fastest C, and which of
-/// them wins.
+/// For every model the fastest placed program and C, and which of them wins.
 fn winners(results: &Results, cpu: &[CpuTime], processor: &str) -> Option<DataTable> {
     let machine = &results.plan.machines[results.main_machine()?];
     let row = |model: usize| {
@@ -158,8 +157,7 @@ struct StepWinner<'a> {
     core: f64,
 }
 
-/// For every step and machine the fastest placement, one core's time, and
-/// which of them wins.
+/// For every step and machine the fastest placement and C, and which wins.
 fn whole_steps(results: &Results, cpu: &[CpuTime], processor: &str) -> Option<DataTable> {
     let mut rows: Vec<StepWinner<'_>> = Vec::new();
     for step in steps(results) {
@@ -201,8 +199,7 @@ fn whole_steps(results: &Results, cpu: &[CpuTime], processor: &str) -> Option<Da
     captions::filled("whole-step-cpu", &words, &columns, &rows)
 }
 
-/// The time of a step on one core: of each function the fastest program, times
-/// its number of calls, µs. `None` where one was not timed.
+/// Time of a step on one core, by the fastest programs, µs; `None` untimed.
 fn one_core(results: &Results, step: &StudyStep, cpu: &[CpuTime]) -> Option<f64> {
     let mut sum = 0.0;
     for (model, (_, calls)) in step.models.iter().zip(PARTS) {

@@ -4,8 +4,8 @@ use super::super::knee::{Knee, Split, knee};
 use super::super::plan::Printed;
 use super::super::printed::PrintedRow;
 use super::super::program::ProgramFacts;
+use super::super::results;
 use super::super::results::{Results, StudiedProgram};
-use super::super::variants;
 use super::reasons;
 use crate::captions::{self, Words};
 use robovec_analysis::rounding::MedianChange;
@@ -87,7 +87,7 @@ pub(super) fn cases(results: &Results) -> Option<DataTable> {
         Digits::All,
         reasons::of,
     );
-    let rows = (results.ordinary()).filter(|row| !variants::is_variant(results, row.place[0]));
+    let rows = (results.ordinary()).filter(|row| !results::is_variant(results, row.place[0]));
     captions::filled("table-3.1", &[], &columns, &rows.collect::<Vec<_>>())
 }
 
@@ -183,7 +183,7 @@ pub(super) fn knees(results: &Results) -> Option<DataTable> {
 /// Formulations of the same system, compared.
 pub(super) fn formulations(results: &Results) -> Option<DataTable> {
     let mut rows = Vec::new();
-    for group in variants::groups(results) {
+    for group in results::groups(results) {
         for pipeline in 0..results.plan.pipelines.len() {
             let of = |model: usize| results.program([model, pipeline, results.main_machine()?]);
             let first = of(group[0]).map(|first| first.facts);
@@ -200,7 +200,7 @@ pub(super) fn formulations(results: &Results) -> Option<DataTable> {
     let single = |row: &KneeRow<'_>| row.microseconds(row.knee.as_ref()?.single);
     let columns = columns! { KneeRow<'_>;
         "system", [Hidden, All], |row| row.program.subject().source.as_str();
-        "formulation", [Hidden, All], |row| variants::label(row.program.subject());
+        "formulation", [Hidden, All], |row| results::label(row.program.subject());
         "pipeline", [Hidden, All], |row| row.program.facts.pipeline.as_str();
         "operations", [Hidden, All], |row| row.program.facts.operations;
         "ASAPCycle", [Hidden, All], |row| row.program.facts.asap_cycle;

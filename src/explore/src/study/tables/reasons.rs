@@ -1,5 +1,4 @@
-//! Reasons why a row of Table 3.1 differs from the thesis': facts about the
-//! model, with figures from both sides.
+//! Reasons why a row of Table 3.1 differs from the thesis', with figures.
 
 use super::super::plan::{Printed, StudySubject};
 use super::super::printed::{PrintedSystem, SystemTopology, thesis};
@@ -8,8 +7,7 @@ use super::super::results::StudiedProgram;
 use crate::captions;
 use robovec_present::number::or_nothing;
 
-/// Reason why a row of a program differs from the thesis': facts about its model, the
-/// pipeline, and the printed figures.
+/// Reason why a row of a program differs from the thesis'.
 pub(super) fn of(program: &StudiedProgram<'_>) -> String {
     let Some(system) = program.results.system(program.place[0]) else {
         return String::new();
@@ -100,8 +98,7 @@ fn per_square(operations: f64, dof: u32) -> f64 {
     operations / f64::from(dof * dof)
 }
 
-/// The smallest and the largest number of operations per square of the degrees
-/// of freedom among the serial rows of the thesis.
+/// Least and most operations per dof squared among the thesis' serial rows.
 fn serial_range() -> String {
     let serial = thesis()
         .systems
