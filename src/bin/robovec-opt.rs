@@ -1,5 +1,4 @@
-//! `robovec-opt`: reads equations, runs a pipeline of passes, writes the
-//! result.
+//! `robovec-opt`: reads equations, runs a pipeline, writes the result.
 
 use std::process::ExitCode;
 

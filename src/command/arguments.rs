@@ -1,11 +1,13 @@
 //! The command line of `robovec-opt`.
 
-use super::flags::{SEED, whole};
-use super::telling::TellingArguments;
+use super::flags::{SEED, choice, whole};
+use super::input::LANGUAGES;
+use super::progress::TellingArguments;
 use clap::builder::{PossibleValuesParser, StyledStr};
 use clap::{CommandFactory, Parser, ValueEnum};
 use clap_complete::engine::{ArgValueCandidates, CompletionCandidate};
 use robovec_framework::manager::Limit;
+use robovec_io::sources::EquationLanguage;
 use robovec_passes::registry::REGISTRY;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -40,8 +42,8 @@ pub(crate) struct OptimiserArguments {
     pub(crate) force: bool,
 
     /// Language of the input; by default found from its name and content
-    #[arg(long = "input-language", alias = "language", value_enum)]
-    pub(crate) language: Option<InputLanguage>,
+    #[arg(long = "input-language", alias = "language", value_parser = choice(&LANGUAGES))]
+    pub(crate) language: Option<EquationLanguage>,
 
     /// Only this function of the input; of a model, the one to generate
     #[arg(long, value_name = "NAME")]
@@ -191,22 +193,6 @@ pub(crate) fn command() -> clap::Command {
     super::grammar::words(super::flags::enforce(OptimiserArguments::command()))
 }
 
-/// A language robovec reads.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum InputLanguage {
-    /// Robotran's C
-    C,
-    /// Robotran's Matlab
-    Matlab,
-    /// Robotran's Python
-    Python,
-    /// robovec's own text
-    Rvir,
-    /// FPCore, of FPBench
-    Fpcore,
-}
-
-/// Way in which a table is printed.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum TableFormat {
     /// A table of text
@@ -215,8 +201,7 @@ pub(crate) enum TableFormat {
     Json,
 }
 
-/// Long options may be written with one dash, as compiler people are used to:
-/// `-passes=cse` becomes `--passes=cse`.
+/// Long options may have one dash: `-passes=cse` becomes `--passes=cse`.
 pub(crate) fn normalise(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     arguments
         .enumerate()

@@ -155,8 +155,7 @@ pub(super) fn outcomes(
     })
 }
 
-/// Failures of those who could take part; others lack a library or are too
-/// large.
+/// Failures of those able to take part; others lack a library or are too large.
 fn failures(results: &[(String, Vec<BenchOutcome>)]) -> Vec<String> {
     let mut failed = Vec::new();
     for (name, outcomes) in results {
@@ -169,7 +168,6 @@ fn failures(results: &[(String, Vec<BenchOutcome>)]) -> Vec<String> {
     failed
 }
 
-/// Subject that was read.
 pub(super) struct LoadedSubject {
     pub(super) name: String,
     /// The file of equations; a model has none.
@@ -178,8 +176,7 @@ pub(super) struct LoadedSubject {
     pub(super) model: Option<Model>,
     /// Task of the function, if a model gives it and peers support it.
     pub(super) task: Option<BenchTask>,
-    /// Reason why the equations are not those that Robotran prints, if they are
-    /// not.
+    /// Reason why the equations are not Robotran's, if they are not.
     pub(super) replaced: Option<String>,
 }
 
@@ -219,8 +216,7 @@ fn load(subject: &str, arguments: &BenchArguments) -> Result<LoadedSubject, Comm
     })
 }
 
-/// The equations of a model as Robotran prints them; where these are too long
-/// for any compiler, those of the shortest formulation and why.
+/// Robotran's equations of a model; if too long, the shortest ones and why.
 pub(super) fn usual_equations(
     model: &Model,
     task: BenchTask,
@@ -317,7 +313,6 @@ fn from_equations(
 /// The compilers of which the better one is taken for every program.
 const USUAL_COMPILERS: [&str; 2] = ["gcc", "clang"];
 
-/// The compilers to use.
 fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure> {
     let compilers = arguments.compilers.iter();
     let found = if arguments.compilers.is_empty() {
@@ -337,8 +332,7 @@ fn compilers(arguments: &BenchArguments) -> Result<Vec<Compiler>, CommandFailure
 /// Number of formulations of a model that take part.
 pub(super) const FORMULATIONS: usize = 2;
 
-/// Enters the formulations with the fewest operations, and reports those that
-/// the generator does not give for this model.
+/// Enters the formulations of the fewest operations, and names absent ones.
 fn from_model(
     question: &BenchQuestion<'_>,
     model: &Model,
@@ -372,7 +366,6 @@ fn length(module: &Module) -> usize {
     own::operations(view(module))
 }
 
-/// The one function of a module.
 fn view(module: &Module) -> View<'_> {
     module.tables.view(&module.functions[0])
 }
@@ -382,8 +375,7 @@ fn in_one_piece(operations: usize) -> String {
     format!("one function of {operations} operations, which compilers need hours for (--largest)")
 }
 
-/// Maximum size of a function that is compiled in pieces, relative to one that
-/// is not.
+/// Maximum size of a function compiled in pieces, relative to a whole one.
 const PIECES: usize = 10;
 
 /// The result for unchanged equations whose C is left out.

@@ -1,10 +1,9 @@
 //! `robovec check`: two files compared as functions.
 //!
-//! By default at random points of a prime field, which proves equality over
-//! the real numbers. With a model, in 64-bit floats at random states and with
-//! the model's parameters: two generators may treat a parameter differently
-//! that happens to be zero, and a user wants to know how far rounding takes
-//! the results apart.
+//! By default at random points of a prime field, which proves equality over the
+//! real numbers. With a model, in 64-bit floats at random states and with the
+//! model's parameters: generators may treat a zero parameter differently, and a
+//! user wants to know how far rounding takes the results apart.
 
 use super::CommandFailure;
 use super::flags::{SEED, real, whole};
@@ -158,8 +157,7 @@ fn proof(
     }))
 }
 
-/// The largest difference over all states, relative to the largest element of
-/// its array in that state.
+/// Largest difference, relative to the largest element of its array and state.
 fn distance(
     (before, after): (View<'_>, View<'_>),
     model: &Model,

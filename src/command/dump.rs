@@ -40,7 +40,6 @@ impl DumpFolder {
         })
     }
 
-    /// Writes the index.
     pub(crate) fn finish(self) -> Result<(), CommandFailure> {
         write_file(&self.folder.join("index.json"), |writer| {
             serde_json::to_writer_pretty(&mut *writer, &self.entries)?;

@@ -1,30 +1,18 @@
 //! `robovec eval`: outputs of functions at given or random states.
 
-use super::arguments::InputLanguage;
-use super::flags::{SEED, states};
+use super::flags::{SEED, choice, states};
 use super::{CommandFailure, generation, input};
 use crate::evaluate_command::{self, NumberSystem, ResultFormat, evaluate_at_states};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use robovec_dynamics::generate::Options;
 use robovec_io::files::limited;
-use robovec_io::sources;
+use robovec_io::sources::{self, EquationLanguage};
 use robovec_ir::Module;
 use robovec_ir::diagnostic::{Report, clip};
 use robovec_ir::states::States;
 use robovec_model::Model;
 use robovec_robotran::FunctionKind;
 use std::path::PathBuf;
-
-/// Way in which the result is written.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
-enum FormatName {
-    /// Lines
-    Text,
-    /// A table
-    Csv,
-    /// A list of objects
-    Json,
-}
 
 /// Arguments of `eval`.
 #[derive(Args, Debug)]
@@ -60,8 +48,8 @@ pub(super) struct EvalArguments {
     #[arg(long, value_name = "KIND", default_value = "f64")]
     number: NumberSystem,
     /// Way in which the result is written: see --json and --csv
-    #[arg(long, value_enum, default_value_t = FormatName::Text, hide = true)]
-    format: FormatName,
+    #[arg(long, value_enum, default_value_t, hide = true)]
+    format: ResultFormat,
     /// Write JSON instead of lines
     #[arg(long, conflicts_with_all = ["csv", "hexadecimal"])]
     json: bool,
@@ -72,8 +60,8 @@ pub(super) struct EvalArguments {
     #[arg(long)]
     hexadecimal: bool,
     /// Language of the file; by default found from its name and content
-    #[arg(long = "input-language", alias = "language", value_enum)]
-    language: Option<InputLanguage>,
+    #[arg(long = "input-language", alias = "language", value_parser = choice(&input::LANGUAGES))]
+    language: Option<EquationLanguage>,
 }
 
 /// States from the command line.
@@ -91,7 +79,6 @@ fn given_states(text: &str) -> Result<GivenStates, String> {
     Ok(GivenStates::Random(count as u32))
 }
 
-/// Runs the command: the text for the standard output.
 pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
     let own = sources::is_model_path(&arguments.file);
     let model_path = arguments.model.as_deref();
@@ -128,9 +115,7 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
             _ if arguments.hexadecimal => ResultFormat::Hexadecimal,
             _ if arguments.json => ResultFormat::Json,
             _ if arguments.csv => ResultFormat::Csv,
-            FormatName::Text => ResultFormat::Text,
-            FormatName::Csv => ResultFormat::Csv,
-            FormatName::Json => ResultFormat::Json,
+            format => format,
         },
     };
     evaluate_at_states(&request).map_err(|diagnostics| {
@@ -140,7 +125,6 @@ pub(super) fn run(arguments: &EvalArguments) -> Result<String, CommandFailure> {
     })
 }
 
-/// The functions of a model.
 fn generated(arguments: &EvalArguments, model: &Model) -> Result<Module, CommandFailure> {
     let kind = |name: &String| {
         FunctionKind::from_name(name).ok_or_else(|| {

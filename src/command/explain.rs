@@ -9,15 +9,10 @@ use robovec_ir::states::States;
 use robovec_ir::{Function, HistoryStep, Machine, SourcePlace, SourceSet, View, print};
 use std::fmt::Write;
 
-/// Number of source places that are shown with their lines; the others are
-/// named.
+/// Number of source places shown with their lines; the others are named.
 const MAX_EXCERPTS: usize = 6;
 
-/// Prints how the requested value came to be.
-///
-/// # Errors
-///
-/// Fails when there is no such value or output.
+/// Prints how the requested value or output came to be, if there is one.
 pub(crate) fn explain(
     asked: &str,
     input: &ReadEquations,
@@ -223,7 +218,6 @@ fn last_definition(view: View<'_>, item: trail::TrackedItem) -> Option<String> {
     Some(definition[..end].to_owned())
 }
 
-/// Who reads a value.
 fn print_readers(view: View<'_>, item: trail::TrackedItem, text: &mut String) {
     const MOST: usize = 8;
     let trail::TrackedItem::Value(name) = item else {

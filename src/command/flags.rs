@@ -4,7 +4,7 @@
 //! [`enforce`] gives every flag with a limit a parser that tests it. A test
 //! refuses a flag that is a number and has none.
 
-use clap::builder::ArgExt;
+use clap::builder::{ArgExt, PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
 use robovec_num::limits::NumberLimit;
 use std::any::TypeId;
@@ -15,19 +15,16 @@ pub struct FlagLimit(pub NumberLimit);
 
 impl ArgExt for FlagLimit {}
 
-/// As [`NumberLimit::whole`].
 pub(crate) const fn whole(least: u64, most: u64, reason: &'static str) -> FlagLimit {
     FlagLimit(NumberLimit::whole(least, most, reason))
 }
 
-/// As [`NumberLimit::real`].
 pub(crate) const fn real(least: f64, most: f64, reason: &'static str) -> FlagLimit {
     FlagLimit(NumberLimit::real(least, most, reason))
 }
 
 pub(crate) const SEED: FlagLimit = FlagLimit(NumberLimit::SEED);
 
-/// The limit of the effort of a search.
 pub(crate) const EFFORT: FlagLimit = FlagLimit(robovec_passes::optimise::EFFORT);
 
 /// The limit of numbers that are data: all numbers of binary64.
@@ -37,14 +34,31 @@ pub(crate) const NUMBER: FlagLimit = real(
     "numbers of programs are finite numbers of binary64",
 );
 
-/// The limit of numbers of random states or points for which a value of every
-/// output is kept.
+/// Limit of random states or points with a value of every output each.
 pub(crate) const fn states(least: u64, most: u64) -> FlagLimit {
     whole(
         least,
         most,
         "the functions are evaluated at every state, and results are kept",
     )
+}
+
+/// Words of a flag, the usual one first; their help; the value that they mean.
+pub(crate) type FlagChoice<T> = (&'static [&'static str], &'static str, T);
+
+pub(crate) fn choice<T: Copy + Send + Sync + 'static>(
+    choices: &'static [FlagChoice<T>],
+) -> impl TypedValueParser<Value = T> {
+    let words = choices.iter().map(|(words, help, _)| {
+        PossibleValue::new(words[0])
+            .aliases(&words[1..])
+            .help(*help)
+    });
+    PossibleValuesParser::new(words).map(move |word: String| {
+        let mut known = choices.iter();
+        let found = known.find(|(words, ..)| words.contains(&word.as_str()));
+        found.expect("clap has refused other words").2
+    })
 }
 
 /// The command, with a parser for every flag that has a limit.

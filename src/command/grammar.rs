@@ -1,11 +1,11 @@
 //! One grammar for all commands: the words that mean one thing everywhere, the
-//! groups of commands, and an example or two of each.
+//! groups of commands, and an example or two of each; former commands.
 //!
 //! **Invariants.** A word of [`WORDS`] takes the same kind of value in every
 //! command that has it ([`apply`] writes its name); every command is in one
-//! group and has examples, which tests read as command lines. A test compares
-//! the page `docs/commands.md` with them.
+//! group and has examples. Tests read them and compare `docs/commands.md`.
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Command};
 use std::fmt::Write;
 
@@ -48,128 +48,23 @@ pub const GROUPS: [(&str, &[&str]); 5] = [
     ("Study rewriting rules", &["rules"]),
 ];
 
-/// Examples of every command, for the root of the repository.
-pub const EXAMPLES: &[(&str, &[&str])] = &[
-    (
-        "bench",
-        &[
-            "robovec bench serial-23 bogie",
-            "robovec bench examples/robots/arm.urdf --function invdyna_d --peers none",
-        ],
-    ),
-    (
-        "eval",
-        &[
-            "robovec eval bogie --states 3",
-            "robovec eval examples/models/four-bar.mbs --function accelred --states 3 --csv",
-        ],
-    ),
-    (
-        "error",
-        &[
-            "robovec error examples/models/quarter-car.mbs --number f32,f16",
-            "robovec error examples/suspension/mbs_dirdyna_suspension.m --passes '$shorten'",
-            "robovec error examples/models/bogie.mbs --blame --outputs 'c[3]' --number f16",
-            "robovec error examples/rounding/benchmarks.fpcore --function doppler1 --prove",
-            "robovec error examples/models/bogie.mbs --series -o series",
-        ],
-    ),
-    (
-        "explore",
-        &[
-            "robovec explore bogie serial-23 -o results",
-            "robovec explore bogie --designs --cpu -o results",
-            "robovec explore --plan thesis -o results",
-        ],
-    ),
-    (
-        "fit",
-        &[
-            "robovec fit examples/scenes/bogie-1e-4.scene.toml -o fitted",
-            "robovec fit examples/scenes/bogie-straight.scene.toml --explain",
-            "robovec fit examples/scenes/car-ride.scene.toml --reduce -o reduced",
-        ],
-    ),
-    (
-        "gen",
-        &[
-            "robovec gen bogie --formulation composite -o bogie.rvir",
-            "robovec gen examples/robots/arm.urdf --function invdyna_d --numbers --language c -o jacobians",
-            "robovec gen examples/suspension/mbs_dirdyna_suspension.m --language c --passes '$cpu' -o new",
-        ],
-    ),
-    (
-        "model",
-        &[
-            "robovec model examples/robots/arm.urdf",
-            "robovec model examples/robots/arm.urdf --base-parameters",
-            "robovec model serial --joints 40 -o serial-40.mbs",
-        ],
-    ),
-    (
-        "sim",
-        &[
-            "robovec sim examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml --time 2 -o ride.csv",
-            "robovec sim equilibrium examples/models/quarter-car.mbs --laws examples/laws/quarter-car.toml",
-            "robovec sim modal examples/models/bogie.mbs --laws examples/laws/bogie.toml",
-            "robovec sim fmu examples/models/quarter-car.mbs --laws examples/laws/quarter-car-tyre.toml -o quarter-car.fmu",
-        ],
-    ),
-    (
-        "check",
-        &[
-            "robovec check examples/suspension/mbs_dirdyna_suspension.m best/program.rvir --class real-trig",
-        ],
-    ),
-    (
-        "optimise",
-        &[
-            "robovec optimise examples/suspension/mbs_dirdyna_suspension.m -o best",
-            "robovec optimise examples/models/double-pendulum.mbs --for batch -o batch",
-        ],
-    ),
-    (
-        "project",
-        &[
-            "robovec project examples/suspension",
-            "robovec project examples/suspension -o new",
-        ],
-    ),
-    (
-        "rtl",
-        &[
-            "robovec rtl bogie --passes '$shorten,place' --machine side-split -o hardware --check verilator",
-            "robovec rtl simulate images --machine thesis --inputs 0.1,0.2",
-            "robovec rtl synthesise --add 5 --multiply 3",
-        ],
-    ),
-    (
-        "rules",
-        &["robovec rules list", "robovec rules check mine.rules"],
-    ),
-    ("stress", &["robovec stress", "robovec stress --list"]),
-    (
-        "view",
-        &[
-            "robovec view examples/suspension/mbs_dirdyna_suspension.m -o suspension.html",
-            "robovec view bogie --passes '$ahead,place' --check-each -o bogie.html",
-            "robovec view bogie --dot bogie.dot --value 'c[3]' --trace bogie.json",
-        ],
-    ),
-];
+/// Examples of a command, for the root of the repository.
+pub fn examples(name: &str) -> Vec<&'static str> {
+    let lines = include_str!("examples.txt").lines();
+    let is_of = |line: &&str| line.split(' ').nth(1) == Some(name);
+    lines.filter(is_of).collect()
+}
 
-/// The command with the words of the grammar written alike, its examples and,
-/// for the whole program, its groups.
+/// The command with words of the grammar, its examples and its groups.
 pub(super) fn apply(command: Command) -> Command {
     let groups = groups(&command);
     let command = command.mut_subcommands(|sub| {
-        let name = sub.get_name().to_owned();
-        let examples = EXAMPLES.iter().find(|(known, _)| *known == name);
+        let lines = examples(sub.get_name()).join("\n  ");
         let sub = words(sub);
-        match examples {
-            Some((_, lines)) => sub.after_help(format!("Examples:\n  {}", lines.join("\n  "))),
-            None => sub,
+        if lines.is_empty() {
+            return sub;
         }
+        sub.after_help(format!("Examples:\n  {lines}"))
     });
     command.help_template(format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n{groups}\nOptions:\n{{options}}\n\n\
@@ -198,7 +93,6 @@ pub fn about(program: &Command, name: &str) -> String {
     about.to_string().replace('\n', " ")
 }
 
-/// The commands by groups, with their descriptions.
 fn groups(command: &Command) -> String {
     let mut text = String::new();
     for (title, names) in GROUPS {
@@ -209,6 +103,47 @@ fn groups(command: &Command) -> String {
         }
     }
     text
+}
+
+/// Command lines of former versions, each with the one that has the same results.
+pub const FORMER: [(&str, &str); 15] = [
+    ("accuracy FILE…", "error FILE… --passes '$shorten'"),
+    ("accuracy FILE… --outputs", "error FILE…"),
+    ("equilibrium MODEL", "sim equilibrium MODEL"),
+    ("errors FILE", "error FILE… --blame"),
+    ("errors FILE --method interval", "error FILE… --prove"),
+    ("front SUBJECT…", "explore SUBJECT…"),
+    ("modal MODEL", "sim modal MODEL"),
+    ("neglect SCENE", "fit SCENE --reduce"),
+    ("scene SCENE", "fit SCENE --explain"),
+    ("simulate FOLDER", "rtl simulate FOLDER"),
+    ("study", "explore --plan thesis"),
+    ("sweep SUBJECT…", "explore SUBJECT… --designs"),
+    ("synthesise", "rtl synthesise"),
+    ("trig FILE…", "error FILE… --series"),
+    (
+        "write FILE… --language LANGUAGE",
+        "gen FILE… --language LANGUAGE",
+    ),
+];
+
+/// The error of the command line, with advice where it names a former command.
+pub(super) fn former(mut error: clap::Error) -> clap::Error {
+    let name = match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(name)) if error.kind() == ErrorKind::InvalidSubcommand => name,
+        Some(_) | None => return error,
+    };
+    let is_it = |(line, _): &&(&str, &str)| line.split(' ').next() == Some(name);
+    let advice: Vec<_> = FORMER
+        .iter()
+        .filter(is_it)
+        .map(|(line, now)| format!("robovec {line} is now: robovec {now}").into())
+        .collect();
+    if !advice.is_empty() {
+        error.remove(ContextKind::SuggestedSubcommand);
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(advice));
+    }
+    error
 }
 
 #[cfg(test)]
@@ -228,9 +163,9 @@ mod tests {
             let name = sub.get_name();
             let groups = GROUPS.iter().filter(|(_, names)| names.contains(&name));
             assert_eq!(groups.count(), 1, "{name} is in one group");
-            let known = EXAMPLES.iter().find(|(known, _)| *known == name);
-            let (_, lines) = known.unwrap_or_else(|| panic!("{name} has no example"));
-            for line in *lines {
+            let lines = examples(name);
+            assert!(!lines.is_empty(), "{name} has no example");
+            for line in lines {
                 let read = tool.clone().try_get_matches_from(split(line));
                 assert!(read.is_ok(), "{line}: {}", read.expect_err("as seen"));
                 assert_eq!(split(line)[1], name);
@@ -265,5 +200,26 @@ mod tests {
             command.get_subcommands().for_each(check);
         }
         super::super::commands().iter().for_each(check);
+    }
+
+    #[test]
+    fn former_names_are_answered_with_commands_that_are_there() {
+        let [_, tool] = crate::command::commands();
+        for (line, now) in FORMER {
+            let name = line.split(' ').next().expect("a split has a first part");
+            let error = tool.clone().try_get_matches_from(["robovec", name]);
+            let told = former(error.expect_err("a former name")).to_string();
+            assert!(told.contains(&format!("is now: robovec {now}")), "{told}");
+            let mut command = &tool;
+            for word in now.split(' ') {
+                if let Some(inner) = command.find_subcommand(word) {
+                    command = inner;
+                } else if let Some(long) = word.strip_prefix("--") {
+                    let mut flags = command.get_arguments();
+                    assert!(flags.any(|flag| flag.get_long() == Some(long)), "{now}");
+                }
+            }
+            assert_ne!(command.get_name(), tool.get_name(), "{now}");
+        }
     }
 }

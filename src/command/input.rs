@@ -1,9 +1,8 @@
 //! Reading the user's files: equations, models, scenes, pipelines, machines.
 //!
-//! Remarks of readers are printed here, when the file is read, so that no command
-//! can forget to.
+//! Remarks of readers are printed here, so that no command can forget to.
 
-use super::arguments::InputLanguage;
+use super::flags::FlagChoice;
 use super::{CommandFailure, emit};
 use robovec_cgen::template::{self, CodeTarget, TargetError};
 use robovec_dynamics::generate::{GenerationRequest, generate_asked};
@@ -24,8 +23,7 @@ use robovec_robotran::FunctionKind;
 use robovec_robotran::Language;
 use std::path::Path;
 
-/// The scene, with the ranges of the file for inputs that it leaves open; none
-/// where neither is given.
+/// The scene, with the file's ranges for open inputs; none without either.
 pub(crate) fn scene_of(read: &ReadEquations, given: Option<Scene>) -> Option<Scene> {
     if read.ranges.is_empty() {
         return given;
@@ -57,11 +55,10 @@ pub(crate) fn without_ranges(read: ReadEquations, command: &str) -> Result<Modul
     ))
 }
 
-/// Reads equations in any language, or generates them from a model: the
-/// function requested, else direct dynamics.
+/// Reads equations in any language, or generates them from a model.
 pub(crate) fn equations_or_model(
     path: &Path,
-    language: Option<InputLanguage>,
+    language: Option<EquationLanguage>,
     function: Option<&str>,
 ) -> Result<ReadEquations, CommandFailure> {
     let is_model = sources::is_model_path(path);
@@ -94,40 +91,49 @@ pub(crate) fn no_such_kind(name: &str) -> CommandFailure {
 /// Reads equations in any language, also where no function sets an output.
 pub(crate) fn equations_or_stubs(
     path: &Path,
-    language: Option<InputLanguage>,
+    language: Option<EquationLanguage>,
 ) -> Result<ReadEquations, CommandFailure> {
-    let read = sources::equations_or_stubs(path, language.map(known), None);
+    let read = sources::equations_or_stubs(path, language, None);
     Ok(told(read?))
 }
 
-/// Reads equations in any language.
 pub(crate) fn equations(
     path: &Path,
-    language: Option<InputLanguage>,
+    language: Option<EquationLanguage>,
 ) -> Result<ReadEquations, CommandFailure> {
     equations_of(path, language, None)
 }
 
-/// Reads equations in any language; of a file of FPCore the function of a
-/// name.
+/// Reads equations in any language; of FPCore the function of a name.
 pub(crate) fn equations_of(
     path: &Path,
-    language: Option<InputLanguage>,
+    language: Option<EquationLanguage>,
     function: Option<&str>,
 ) -> Result<ReadEquations, CommandFailure> {
-    let read = sources::equations(path, language.map(known), function);
+    let read = sources::equations(path, language, function);
     Ok(told(read?))
 }
 
-fn known(language: InputLanguage) -> EquationLanguage {
-    match language {
-        InputLanguage::C => EquationLanguage::Robotran(Language::C),
-        InputLanguage::Matlab => EquationLanguage::Robotran(Language::Matlab),
-        InputLanguage::Python => EquationLanguage::Robotran(Language::Python),
-        InputLanguage::Rvir => EquationLanguage::Rvir,
-        InputLanguage::Fpcore => EquationLanguage::Fpcore,
-    }
-}
+/// Languages of equations, as words of the command line.
+pub(crate) const LANGUAGES: [FlagChoice<EquationLanguage>; 5] = [
+    (
+        &["c"],
+        "Robotran's C",
+        EquationLanguage::Robotran(Language::C),
+    ),
+    (
+        &["matlab"],
+        "Robotran's Matlab",
+        EquationLanguage::Robotran(Language::Matlab),
+    ),
+    (
+        &["python"],
+        "Robotran's Python",
+        EquationLanguage::Robotran(Language::Python),
+    ),
+    (&["rvir"], "robovec's own text", EquationLanguage::Rvir),
+    (&["fpcore"], "FPCore, of FPBench", EquationLanguage::Fpcore),
+];
 
 /// Prints the remarks of the reader.
 fn told(read: ReadEquations) -> ReadEquations {
@@ -139,8 +145,7 @@ pub(crate) fn model(path: &Path) -> Result<ReadModel, CommandFailure> {
     model_for(path, None)
 }
 
-/// Reads a model to make a function of it; prints the omissions of the
-/// function, too.
+/// Reads a model for a function, whose omissions it prints, too.
 pub(crate) fn model_for(
     path: &Path,
     kind: Option<FunctionKind>,
@@ -176,8 +181,7 @@ pub(crate) fn scene(path: &Path) -> Result<SceneFile, CommandFailure> {
     Ok(file)
 }
 
-/// The laws of a scene's motion, for its model with joints held; none where it
-/// names none.
+/// The laws of a scene's motion, if any, for its model with joints held.
 pub(crate) fn laws_of(file: &SceneFile, folder: &Path) -> Result<Laws, CommandFailure> {
     let SceneSubject::Model(subject) = &file.subject else {
         unreachable!("the reader of scenes refuses [motion] without a model");
@@ -197,7 +201,6 @@ pub(crate) fn laws(model: &Model, path: &Path) -> Result<Laws, CommandFailure> {
     })
 }
 
-/// Reads a text of a kind.
 pub(crate) fn text(path: &Path, limit: &FileLimit) -> Result<String, CommandFailure> {
     sources::text(path, limit).map_err(CommandFailure)
 }
@@ -236,12 +239,10 @@ pub(crate) fn passes(text: &str) -> Result<Pipeline, CommandFailure> {
     })
 }
 
-/// The machine of a name, or of a file.
 pub(crate) fn machine(name: &str) -> Result<Machine, CommandFailure> {
     sources::machine(name).map_err(CommandFailure)
 }
 
-/// Reads the folder of a target.
 pub(crate) fn target(folder: &Path) -> Result<TargetFolder, CommandFailure> {
     let read = |name: &str, limit: &FileLimit| {
         text(&folder.join(name), limit).map_err(|mut failure| {
@@ -279,7 +280,6 @@ pub(crate) const USUAL_MACHINE: &str = "thesis";
 /// The machine without whose divider nothing could be placed.
 pub(crate) const WITH_DIVIDER: &str = "solver";
 
-/// The default machine for a function.
 pub(crate) fn usual_machine(function: &Function) -> Result<&'static str, CommandFailure> {
     let mut nodes = function.nodes().iter();
     let divides = nodes.any(|node| node.operation == Operation::Div);
@@ -297,7 +297,6 @@ pub(crate) fn other_machine() -> Vec<String> {
     vec![advice.to_owned()]
 }
 
-/// The pipeline of an option that may be absent.
 pub(crate) fn passes_or_empty(text: Option<&str>) -> Result<Pipeline, CommandFailure> {
     match text {
         None => Ok(Pipeline::default()),

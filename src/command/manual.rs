@@ -1,5 +1,4 @@
-//! `robovec manual` and `robovec completion`: files that are installed with the
-//! programs.
+//! `robovec manual` and `robovec completion`: files for installation.
 
 use super::{CommandFailure, commands, opt, output};
 use clap::Args;

@@ -1,9 +1,8 @@
 //! The programs.
 //!
 //! Results go to the standard output or to `-o`; all other output goes to the
-//! standard error or to the file an option names. Every mistake of the user
-//! ends in a diagnostic and exit code 1; wrong use of the command line is exit
-//! code 2.
+//! standard error or to the file an option names. Mistakes of the user end in a
+//! diagnostic and exit code 1, wrong command lines in 2.
 
 pub(crate) mod arguments;
 mod base_parameters;
@@ -16,19 +15,15 @@ mod explain;
 mod explore;
 pub(crate) mod fit;
 pub mod flags;
-pub mod former;
 mod generation;
 pub mod grammar;
 pub(crate) mod input;
 mod listing;
 mod manual;
-mod memory;
 mod model;
-mod names;
 pub mod opt;
 mod optimise;
 mod output;
-mod placed;
 mod progress;
 mod project;
 mod reduction;
@@ -42,8 +37,6 @@ mod simulation;
 mod stress;
 mod subjects;
 mod summary;
-mod tables;
-mod telling;
 pub mod tool;
 mod view;
 
@@ -97,7 +90,6 @@ fn require_compiler(asked: bool) -> Result<(), CommandFailure> {
     Ok(())
 }
 
-/// Number of threads; by default that of processors.
 fn threads(jobs: Option<u32>) -> Result<rayon::ThreadPool, CommandFailure> {
     let pool = rayon::ThreadPoolBuilder::new();
     // 0 stands for as many as there are processors.

@@ -78,7 +78,6 @@ pub(super) fn run(arguments: &ModelArguments) -> Result<String, CommandFailure> 
     }
 }
 
-/// The base parameters of a model.
 fn of_base(model: &Model, arguments: &ModelArguments) -> Result<String, CommandFailure> {
     let found = base_parameters::find(model, &Options::default())?;
     let table = || base_parameters::table(model, &found);
@@ -161,7 +160,6 @@ fn unknown(name: &str) -> CommandFailure {
     CommandFailure::advised(format!("there is no file or family '{name}'"), notes)
 }
 
-/// The model of a family for the given options.
 fn member(family: ModelFamily, arguments: &ModelArguments) -> Result<Model, CommandFailure> {
     let joints = match (family.joints(), arguments.joints) {
         (Some(only), Some(asked)) if asked != only => {

@@ -2,12 +2,10 @@
 
 use super::arguments::{self, OptimiserArguments, TableFormat};
 use super::dump::DumpFolder;
-use super::input;
+use super::listing::{self, MeasuredStage};
 use super::summary::RunSummary;
-use super::tables::{self, MeasuredStage};
 use super::{
-    CommandFailure, explain, listing, memory, names, output, placed, progress, reduction,
-    reproducer, rules, simulation, telling,
+    CommandFailure, explain, input, output, progress, reduction, reproducer, rules, simulation,
 };
 use clap::FromArgMatches;
 use clap_complete::env::{CompleteEnv, Shells};
@@ -21,8 +19,7 @@ use robovec_framework::scene::Scene;
 use robovec_framework::trail::Trail;
 use robovec_io::files::{Replace, limited, set_force};
 use robovec_io::sources::ReadEquations;
-use robovec_ir::diagnostic::counted;
-use robovec_ir::diagnostic::{Diagnostic, Label, Report};
+use robovec_ir::diagnostic::{Diagnostic, Label, Report, counted};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, SourceSet, print};
 use robovec_rules::RuleSet;
@@ -34,7 +31,7 @@ use std::process::ExitCode;
 
 /// Runs the program.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
-    memory::keep_freed();
+    keep_freed();
     CompleteEnv::with_factory(arguments::command).complete();
     let words = arguments::normalise(arguments);
     let matches = arguments::command().get_matches_from(&words);
@@ -42,7 +39,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    telling::set(arguments.telling);
+    progress::set(arguments.telling);
     set_force(arguments.force);
     let result = if arguments.run_reproducer {
         reproduced(&arguments, &words).and_then(|arguments| run(&arguments))
@@ -58,8 +55,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// The arguments of the command in a reproducer; those given here add to
-/// them, and are preferred.
+/// Arguments of the command in a reproducer; those given here override them.
 fn reproduced(
     arguments: &OptimiserArguments,
     words: &[OsString],
@@ -88,7 +84,6 @@ fn reproduced(
     })
 }
 
-/// Message when no passes are named.
 const NO_PASSES: &str = "no passes were named: these are the equations as read\n  \
     -passes='$shorten,place'  places them on the elements of a machine\n  \
     -passes='$cpu,codegen{target=c}' -o FOLDER  writes C\n  \
@@ -112,7 +107,7 @@ fn read_inputs(arguments: &OptimiserArguments) -> Result<GivenInputs, CommandFai
     if let Some(path) = &arguments.output
         && !pipeline.passes().any(|pass| pass.info.name == "codegen")
     {
-        names::refuse_wrong(path, true)?;
+        output::refuse_wrong(path, true)?;
     }
     let asked = arguments.machine.as_deref();
     let asked = asked.map(input::machine).transpose()?;
@@ -177,7 +172,7 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
         select(&mut input.module, name)?;
     }
     if pipeline.steps.is_empty() && arguments.simulate.is_some() {
-        placed::check(&input, &machine)?;
+        simulation::check(&input, &machine)?;
     }
     let is_reported = arguments.report.is_some();
     let read = if is_reported {
@@ -214,11 +209,11 @@ fn run(arguments: &OptimiserArguments) -> Result<(), CommandFailure> {
         text += &summary.text(&input.module);
     }
     if let Some(format) = arguments.stats {
-        text += &tables::statistics(&outcome.records, format);
+        text += &listing::statistics(&outcome.records, format);
     }
     let is_timed = arguments.telling.verbose.then_some(TableFormat::Table);
     if let Some(format) = arguments.time_passes.or(is_timed) {
-        text += &tables::times(&outcome.records, &stages, format);
+        text += &listing::times(&outcome.records, &stages, format);
     }
     // Nobody is left to tell when the standard error is closed.
     let _ = io::stderr().write_all(text.as_bytes());
@@ -256,8 +251,7 @@ fn measured(
     Ok(report + &simulated)
 }
 
-/// The scene, if there is one, and the equations: those that the scene is
-/// about when it is itself the input.
+/// The scene, if there is one, and the equations, perhaps the scene's.
 fn scene_and_input(
     arguments: &OptimiserArguments,
     path: &Path,
@@ -311,8 +305,7 @@ pub(super) fn completion(program: &str, shell: &str) -> Result<String, CommandFa
     Ok(String::from_utf8_lossy(&script).into_owned())
 }
 
-/// Keeps one function of a module: the requested one, else direct dynamics,
-/// else the only one.
+/// Keeps the requested function of a module, else direct dynamics or the only.
 pub(super) fn select_one(
     module: &mut Module,
     input: &str,
@@ -337,7 +330,6 @@ pub(super) fn select(module: &mut Module, name: &str) -> Result<(), CommandFailu
     select_all(module, &[name.to_owned()])
 }
 
-/// Keeps the functions of several names.
 pub(super) fn select_all(module: &mut Module, wanted: &[String]) -> Result<(), CommandFailure> {
     let names: Vec<String> = module.functions.iter().map(|f| f.name.clone()).collect();
     // The name of a kind stands for all its cases: `sensor` for `sensor_1` ….
@@ -476,7 +468,7 @@ fn describe(
             located(message, error.sources, error.help, input)
         }
         RunError::Given { ref help, .. } => {
-            placed::refusal(&error.to_string(), help, input, machine)
+            simulation::refusal(&error.to_string(), help, input, machine)
         }
         RunError::Panic { .. } | RunError::Verify { .. } | RunError::Check { .. } => {
             let mut notes = Vec::new();
@@ -492,8 +484,7 @@ fn describe(
     }
 }
 
-/// A message about equations: in the text read if they are there, else with
-/// their place named.
+/// A message about equations: in the text read, else with their place named.
 fn located(
     message: String,
     sources: SourceSet,
@@ -522,8 +513,7 @@ fn located(
     CommandFailure(report)
 }
 
-/// Writes the report to its file; returns it instead when it is for the
-/// standard error.
+/// Writes the report to its file; returns one for the standard error.
 fn write_report(
     path: &Path,
     (module, outcome): (&Module, &RunOutcome),
@@ -562,11 +552,11 @@ fn write_result(
         (None, 0 | 1) => output::write_stdout(text),
         (Some(path), 0 | 1) if path == Path::new("-") => output::write_stdout(text),
         (Some(path), count @ (0 | 1)) => {
-            names::refuse_wrong(path, count == 0)?;
+            output::refuse_wrong(path, count == 0)?;
             output::write_over(path, Replace::Own, text)
         }
         (Some(folder), count) => {
-            names::refuse_for_several(folder, count)?;
+            output::refuse_for_several(folder, count)?;
             let files: Vec<(&str, &str)> = outcome
                 .artifacts
                 .iter()
@@ -586,4 +576,20 @@ fn write_result(
             vec!["name a folder for them: -o FOLDER".to_owned()],
         )),
     }
+}
+
+/// The largest vector whose release raises glibc's threshold for mapping memory
+/// for one vector alone; the threshold is 32 MiB with the header.
+const LARGEST_RAISING: usize = 31 << 20;
+
+/// Makes the allocator keep freed memory for later allocations.
+///
+/// glibc maps the memory of large vectors for each of them and gives it back to
+/// the system when they go, which clears the pages of the next one again: two
+/// thirds more page faults on a function of 600,000 operations. It stops when
+/// such a vector is freed. This one is never written, so it costs nothing.
+pub(super) fn keep_freed() {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(
+        LARGEST_RAISING,
+    )));
 }

@@ -1,10 +1,14 @@
 //! Progress of a command: a bar on a terminal, elsewhere a line at intervals,
-//! so that the log of a long run shows that it continues.
+//! so that the log of a long run shows that it continues; and `-q`, `-v`.
+//!
+//! Warnings, errors and results are always printed. One setting holds for the
+//! whole process, made before the command runs.
 
-use super::telling;
+use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use robovec_present::text::cut;
-use std::io::{IsTerminal, Write, stderr};
+use std::io::{self, IsTerminal, Write, stderr};
+use std::sync::OnceLock;
 use std::thread;
 use std::time::Duration;
 
@@ -27,23 +31,22 @@ pub(super) fn plain() -> ProgressBar {
     let bar = ProgressBar::hidden();
     if is_drawn() {
         bar.set_draw_target(ProgressDrawTarget::stderr());
-    } else if !telling::is_quiet() {
+    } else if !is_quiet() {
         tell_in_lines(&bar);
     }
     bar
 }
 
 fn is_drawn() -> bool {
-    stderr().is_terminal() && !telling::is_quiet()
+    stderr().is_terminal() && !is_quiet()
 }
 
-/// Prints the progress of a bar at intervals, until it is finished or dropped;
-/// no output where no thread can be started, as in WebAssembly.
+/// Prints the progress of a bar at intervals, where threads can be started.
 fn tell_in_lines(bar: &ProgressBar) {
     let bar = bar.downgrade();
     let _ = thread::Builder::new().spawn(move || {
         loop {
-            thread::sleep(telling::interval());
+            thread::sleep(interval());
             let Some(bar) = bar.upgrade() else { return };
             if bar.is_finished() {
                 return;
@@ -79,6 +82,52 @@ fn styled(steps: Option<usize>, template: &str) -> ProgressBar {
     }
     bar.set_style(ProgressStyle::with_template(template).expect("templates are written here"));
     bar
+}
+
+/// The words of the command line.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub(crate) struct TellingArguments {
+    /// Print no progress, no remarks and no summary of a compilation
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Print progress every two seconds, and the time taken at the end
+    #[arg(short, long, global = true)]
+    pub(crate) verbose: bool,
+}
+
+static TELLING: OnceLock<TellingArguments> = OnceLock::new();
+
+/// Sets the amount of output; the first setting stays.
+pub(super) fn set(arguments: TellingArguments) {
+    TELLING.get_or_init(|| arguments);
+}
+
+fn current() -> TellingArguments {
+    TELLING.get().copied().unwrap_or_default()
+}
+
+/// Tests whether nothing but warnings and errors is printed.
+pub(super) fn is_quiet() -> bool {
+    current().quiet
+}
+
+/// Tests whether more than usual is printed.
+pub(super) fn is_verbose() -> bool {
+    current().verbose
+}
+
+/// Time between messages from continuing work without a terminal.
+pub(super) fn interval() -> Duration {
+    Duration::from_secs(if is_verbose() { 2 } else { 10 })
+}
+
+/// Target of remarks: the standard error, or nowhere.
+pub(super) fn remarks() -> Box<dyn Write> {
+    if is_quiet() {
+        Box::new(io::sink())
+    } else {
+        Box::new(io::stderr())
+    }
 }
 
 #[cfg(test)]

@@ -19,8 +19,7 @@ pub(super) fn keep(arguments: &OptimiserArguments, module: &Module) -> Option<Mo
     wanted.then(|| module.clone())
 }
 
-/// Adds the requested parts to a failure of the pipeline: a small program, a
-/// reproducer. Failures that are not caused by a pass are unchanged.
+/// Adds requested parts to a failure of a pass: a program, a reproducer.
 pub(super) fn follow_up(
     mut failure: CommandFailure,
     kept: Option<&Module>,

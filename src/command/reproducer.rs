@@ -1,9 +1,8 @@
 //! Files that show a mistake of a pass, and running them again.
 //!
-//! A reproducer is a program in the text form under a header of comments:
-//! `// RUN:` as the file tests of passes have it, so that the file can become
-//! one, and `// reproduce:` with the whole command, which `--run-reproducer`
-//! obeys.
+//! A reproducer is a program in the text form under a header of comments: `//
+//! RUN:` as the file tests of passes have it, so that it can become one, and
+//! `// reproduce:` with the command that `--run-reproducer` obeys.
 
 use super::CommandFailure;
 use super::arguments::OptimiserArguments;
@@ -72,7 +71,6 @@ pub(super) fn text(
     text + &print::print_module(program)
 }
 
-/// The word, quoted for a shell.
 fn quoted(word: &str) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_./=,:@%+".contains(&byte);
     if !word.is_empty() && word.bytes().all(plain) {
@@ -81,8 +79,7 @@ fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// The command in a reproducer, as words; without the program's name and the
-/// file.
+/// The command in a reproducer, as words, without the program and the file.
 pub(super) fn command(path: &Path, text: &str) -> Result<Vec<String>, CommandFailure> {
     let line = text.lines().find_map(|line| line.strip_prefix(COMMAND));
     let words = line.and_then(words);
@@ -97,8 +94,7 @@ pub(super) fn command(path: &Path, text: &str) -> Result<Vec<String>, CommandFai
     })
 }
 
-/// Splits a line as a shell does, with spaces, single quotes and backslashes
-/// only; `None` when a quote is not closed.
+/// Splits a line as a shell does; `None` when a quote is not closed.
 fn words(line: &str) -> Option<Vec<String>> {
     let mut words = Vec::new();
     let mut word: Option<String> = None;

@@ -1,5 +1,4 @@
-//! `robovec bench --robots`: all functions of robots, beside other libraries, in
-//! one table.
+//! `robovec bench --robots`: functions of robots beside other libraries.
 
 use super::bench::{BenchArguments, FORMULATIONS, LoadedSubject, drawn, outcomes, usual_equations};
 use super::{CommandFailure, generation, input, subjects};
@@ -99,7 +98,6 @@ pub(super) fn run(
     Ok(text)
 }
 
-/// The robots by name.
 fn robots(arguments: &BenchArguments) -> Result<Vec<(String, Model)>, CommandFailure> {
     if arguments.subjects.is_empty() {
         let read = OWN.iter().map(|(name, bytes, base)| {

@@ -1,9 +1,12 @@
-//! `--simulate`: the placed program against the equations.
+//! `--simulate`: the placed program against equations; wrong placed text.
 
 use super::CommandFailure;
 use robovec_fpga::write_images;
-use robovec_ir::diagnostic::counted;
+use robovec_framework::manager::{RunError, check_schedules};
+use robovec_io::sources::ReadEquations;
+use robovec_ir::diagnostic::{Diagnostic, Report, counted};
 use robovec_ir::evaluate::evaluate_mixed;
+use robovec_ir::parse::{VerificationTarget, parse_placed};
 use robovec_ir::print::print_output;
 use robovec_ir::states::States;
 use robovec_ir::{Function, Level, Machine, Module, View};
@@ -76,8 +79,7 @@ fn compare(view: View<'_>, machine: &Machine, states: u32, draws: &States) -> Re
     Ok(program.cycles())
 }
 
-/// The outputs the evaluator gives: place among the flattened outputs, and
-/// bits.
+/// Outputs of the evaluator: place among the flattened outputs, and bits.
 fn expected(function: &Function, arithmetic: &FormatArithmetic, inputs: &[f64]) -> Vec<(u32, u64)> {
     let outputs = evaluate_mixed(function, arithmetic.format(), inputs);
     function
@@ -86,4 +88,40 @@ fn expected(function: &Function, arithmetic: &FormatArithmetic, inputs: &[f64]) 
         .zip(outputs)
         .map(|(assignment, number)| (assignment.output.0, arithmetic.word(number)))
         .collect()
+}
+
+/// Refuses input scheduled for another machine, or with a wrong placement.
+pub(super) fn check(input: &ReadEquations, machine: &Machine) -> Result<(), CommandFailure> {
+    check_schedules(&input.module, machine).map_err(|error| match &error {
+        RunError::Given { help, .. } => refusal(&error.to_string(), help, input, machine),
+        _ => CommandFailure::plain(error.to_string()),
+    })
+}
+
+/// The message of [`RunError::Given`], in the text where that can be read.
+pub(super) fn refusal(
+    message: &str,
+    help: &str,
+    input: &ReadEquations,
+    machine: &Machine,
+) -> CommandFailure {
+    let functions = &input.module.functions;
+    let wanted = |name: &str| functions.iter().any(|function| function.name == name);
+    let target = VerificationTarget {
+        machine,
+        wanted: &wanted,
+    };
+    let advice = format!("help: {help}");
+    if let Some(text) = input.text()
+        && let Err(mut found) = parse_placed(&input.name, &text, target)
+    {
+        if let Some(last) = found.last_mut() {
+            last.notes.push(advice);
+        }
+        return CommandFailure(Report::of(&input.name, text, found));
+    }
+    let mut report = Report::new();
+    let diagnostic = Diagnostic::error().with_message(format!("{}: {message}", input.name));
+    report.push(diagnostic.with_notes(vec![advice]));
+    CommandFailure(report)
 }

@@ -1,7 +1,7 @@
 //! `robovec stress`: hard cases, verdicts and cures.
 
 use super::output::result_files;
-use super::{CommandFailure, input, opt, output, progress, telling};
+use super::{CommandFailure, input, opt, output, progress};
 use clap::Args;
 use rayon::prelude::*;
 use robovec_io::sources;
@@ -48,7 +48,6 @@ fn classes() -> clap::builder::PossibleValuesParser {
     CaseClass::ALL.map(|class| class.name).into()
 }
 
-/// Runs the command: the text for the standard output.
 pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure> {
     let cases = chosen(arguments)?;
     if arguments.list {
@@ -98,8 +97,7 @@ pub(super) fn run(arguments: &StressArguments) -> Result<String, CommandFailure>
     ))
 }
 
-/// The answer, the cases with the largest errors, and energies and gaps; all
-/// cases on request.
+/// The answer, the cases of the largest errors or all, and energies and gaps.
 fn text(arguments: &StressArguments, findings: &[(&StressCase, Findings)]) -> String {
     let name = arguments.input.as_deref().and_then(Path::file_name);
     let title = name.map_or("hard cases".into(), |name| name.to_string_lossy());
@@ -112,7 +110,7 @@ fn text(arguments: &StressArguments, findings: &[(&StressCase, Findings)]) -> St
             let _ = writeln!(text, "{:10} {}", case.name, cut(&case.construction, 69));
         }
     }
-    let all = if telling::is_verbose() {
+    let all = if progress::is_verbose() {
         robovec_stress::text(findings)
     } else {
         robovec_stress::worst(findings)

@@ -28,7 +28,6 @@ pub(super) enum SubjectSource {
     Equations(PathBuf),
 }
 
-/// Origin of a subject.
 pub(super) fn locate(subject: &StudySubject) -> Result<SubjectSource, CommandFailure> {
     if let Some(model) = built_in(&subject.source) {
         return Ok(SubjectSource::Model(Box::new(model)));
@@ -58,9 +57,8 @@ pub(super) fn locate(subject: &StudySubject) -> Result<SubjectSource, CommandFai
 /// The formulation that needs the smallest time on a processor.
 pub(super) const FOR_PROCESSORS: &str = "composite-base";
 
-/// The function of a model made for processors: direct dynamics by composite
-/// bodies, as it is and after the passes for straight-line code. `None` for
-/// files of equations and for other functions.
+/// Direct dynamics of a model for processors by composite bodies, as it is and
+/// after the passes for straight-line code; `None` for anything else.
 pub(super) fn for_processors(
     subject: &StudySubject,
 ) -> Result<Option<[Module; 2]>, CommandFailure> {
@@ -122,8 +120,7 @@ fn equations(subject: &StudySubject) -> Result<Module, CommandFailure> {
     generation::functions(&model, &[kind], formulation, &options)
 }
 
-/// The name of a subject of the command line, and its model, built-in or read;
-/// `None` for a file of equations.
+/// The name of a subject, and its model; `None` for a file of equations.
 pub(super) fn named_model(subject: &str) -> Result<(String, Option<Model>), CommandFailure> {
     check_number(subject)?;
     let path = Path::new(subject);

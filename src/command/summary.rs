@@ -1,5 +1,4 @@
-//! Summary of a run of `robovec-opt` without a report: speed, error and cost of
-//! every function, beside those of the input.
+//! Summary of a run of `robovec-opt`: speed, error and cost beside the input's.
 //!
 //! As in compilers, it is for users and not programs: it is printed only where
 //! the result goes to a file or to a terminal, and on the standard error. It
@@ -33,7 +32,6 @@ const LANES: usize = 4;
 
 const MOST_STATES: usize = 64;
 
-/// Contents of the summary.
 pub(super) struct RunSummary<'a> {
     machine: &'a Machine,
     /// Origin of the states, and a flag: true when a scene gives their ranges.
@@ -44,7 +42,6 @@ pub(super) struct RunSummary<'a> {
     before: Vec<FunctionBefore>,
 }
 
-/// A function as it came.
 struct FunctionBefore {
     name: String,
     operations: usize,
@@ -54,8 +51,7 @@ struct FunctionBefore {
 }
 
 impl<'a> RunSummary<'a> {
-    /// Reads the functions before the run; `None` when no summary will be
-    /// printed.
+    /// Reads the functions before the run; `None` without a summary.
     pub(super) fn begin(
         arguments: &OptimiserArguments,
         pipeline: &Pipeline,
@@ -106,8 +102,7 @@ impl<'a> RunSummary<'a> {
         lines.collect()
     }
 
-    /// The longest path of a function, or its schedule and the machine's share
-    /// of its device.
+    /// Longest path of a function, or its schedule and share of the device.
     fn speed_and_cost(&self, before: &FunctionBefore, function: &Function) -> String {
         let schedule = function.schedule.as_ref();
         let own = schedule.filter(|schedule| schedule.check_machine(self.machine).is_ok());
@@ -191,8 +186,7 @@ fn measured_by<'m>(pipeline: &Pipeline, module: &'m Module, machine: &Machine) -
     }
 }
 
-/// True when a user can read it: the result goes to a file or to a terminal,
-/// and no other requested output has the same figures.
+/// True when a result goes elsewhere and no other output has these figures.
 fn is_told(arguments: &OptimiserArguments, pipeline: &Pipeline) -> bool {
     let is_file = |path: &Path| path != Path::new("-");
     let goes_to_people = match &arguments.output {
@@ -203,8 +197,7 @@ fn is_told(arguments: &OptimiserArguments, pipeline: &Pipeline) -> bool {
     goes_to_people && !arguments.telling.quiet && !has_other && !pipeline.steps.is_empty()
 }
 
-/// The format that the result computes in: the machine's, or that of the C
-/// which is written last.
+/// The format that the result computes in: the machine's, or the last C's.
 fn format(pipeline: &Pipeline, machine: &Machine) -> Format {
     let last = pipeline.passes().last();
     let Some(codegen) = last.filter(|pass| pass.info.name == "codegen") else {

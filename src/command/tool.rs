@@ -11,9 +11,9 @@ use super::flags::{real, whole};
 use super::generation::{self, GenArguments};
 use super::model::{self, ModelArguments};
 use super::optimise::{self, OptimiseArguments};
+use super::progress::{self, TellingArguments};
 use super::sim::{self, SimCommand};
-use super::telling::{self, TellingArguments};
-use super::{CommandFailure, flags, former, grammar, output};
+use super::{CommandFailure, flags, grammar, output};
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::env::CompleteEnv;
 use robovec_io::files::{Replace, set_force};
@@ -125,7 +125,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     });
     let (matches, arguments) = match read {
         Ok(read) => read,
-        Err(error) => former::answer(error).exit(),
+        Err(error) => grammar::former(error).exit(),
     };
     set_limits(ProcessLimits {
         time: Duration::from_secs(arguments.tool_seconds),
@@ -144,7 +144,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             right_angle: robots.right_angles,
         });
     }
-    telling::set(arguments.telling);
+    progress::set(arguments.telling);
     set_force(arguments.force);
     if let Err(failure) = refuse_foreign_outputs(&matches) {
         failure.emit();
@@ -170,7 +170,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         ToolCommand::Stress(arguments) => super::stress::run(arguments),
         ToolCommand::View(arguments) => super::view::run(arguments),
     };
-    if telling::is_verbose() {
+    if progress::is_verbose() {
         eprintln!("{:.1} s", start.elapsed().as_secs_f64());
     }
     match result.and_then(|text| output::write_stdout(|stdout| stdout.write_all(text.as_bytes()))) {

@@ -1,7 +1,6 @@
 //! `robovec view`: a compilation as a page for the browser.
 
-use super::arguments::InputLanguage;
-use super::flags::{SEED, whole};
+use super::flags::{SEED, choice, whole};
 use super::opt::select;
 use super::{CommandFailure, input, output, rules};
 use clap::Args;
@@ -9,8 +8,7 @@ use robovec_framework::manager::{self, Config};
 use robovec_framework::scene::Scene;
 use robovec_framework::trail::{self, Trail};
 use robovec_io::files::{Replace, limited};
-use robovec_io::sources;
-use robovec_io::sources::ReadEquations;
+use robovec_io::sources::{self, EquationLanguage, ReadEquations};
 use robovec_ir::View;
 use robovec_ir::diagnostic::counted;
 use robovec_view::report::{PassRunRecord, ReadCounts};
@@ -32,8 +30,9 @@ pub(super) struct ViewArguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Language of the file, if its name does not show it
-    #[arg(long = "input-language", alias = "language", value_name = "LANGUAGE")]
-    language: Option<InputLanguage>,
+    #[arg(long = "input-language", alias = "language", value_name = "LANGUAGE",
+        value_parser = choice(&input::LANGUAGES))]
+    language: Option<EquationLanguage>,
     /// Model (.mbs, .urdf, .xml) that the equations come from, to show its joints
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -70,7 +69,6 @@ pub(super) struct ViewArguments {
     trace: Option<PathBuf>,
 }
 
-/// Runs the command: the text for the standard output.
 pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
     let pipeline = input::passes(&arguments.passes)?;
     let rules = rules::sound(&arguments.rules, true)?;
@@ -116,8 +114,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<String, CommandFailure> {
     write(arguments, &read, &viewed, scene.as_ref())
 }
 
-/// The text of the equations with its name. Equations of a model have none:
-/// they are printed, and take their places from the printed text.
+/// The text of the equations with its name; a model's are printed first.
 fn equations(read: &mut ReadEquations, arguments: &ViewArguments) -> Vec<(String, String)> {
     let name = if sources::is_model_path(&arguments.file) {
         format!("equations of {}", read.name)
@@ -198,8 +195,7 @@ fn summary(function: &str, last: Option<&PassRunRecord>) -> String {
     }
 }
 
-/// The graph of the requested outputs, else of all outputs of the first
-/// function.
+/// Graph of the requested outputs, else of all outputs of the first function.
 fn graph(arguments: &ViewArguments, viewed: &ViewedRun<'_>) -> Result<String, CommandFailure> {
     let module = viewed.module;
     let (index, item) = match &arguments.value {

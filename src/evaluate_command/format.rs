@@ -3,13 +3,14 @@
 use std::fmt::Write;
 
 /// Way in which results are written.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug, clap::ValueEnum)]
 pub enum ResultFormat {
     /// Lines `state 2 dirdyna M[1,1] 3.0`; floats as the shortest decimal that
     /// is read as the same number.
     #[default]
     Text,
     /// The same lines with floats in hexadecimal, `0x1.8p+1`.
+    #[value(skip)]
     Hexadecimal,
     /// A table with the columns state, function, output and value; decimal.
     Csv,
@@ -20,13 +21,11 @@ pub enum ResultFormat {
 
 /// A value in its printed form.
 pub(super) struct Shown {
-    /// The number.
     pub(super) text: String,
     /// True where JSON has no number for it.
     pub(super) quoted: bool,
 }
 
-/// Writes results in order.
 pub(super) struct ResultWriter {
     format: ResultFormat,
     text: String,
@@ -51,7 +50,6 @@ impl ResultWriter {
         }
     }
 
-    /// Starts the outputs of a function at a state.
     pub(super) fn start(&mut self, state: usize, function: &str) {
         self.head = (state, function.to_owned());
         if self.format == ResultFormat::Json {

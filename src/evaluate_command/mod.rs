@@ -142,8 +142,7 @@ fn random_inputs(
 /// The arrays of parameters.
 const PARAMETERS: [&str; 6] = ["m", "l", "In", "dpt", "g", "lrod"];
 
-/// Replaces parameters by the model's. One that the model does not have is an
-/// error: the function belongs to another model.
+/// Replaces parameters by the model's; one that it lacks is an error.
 fn take_parameters(
     model: &Model,
     view: View<'_>,
@@ -173,7 +172,6 @@ fn take_parameters(
     Ok(())
 }
 
-/// The name of an input element.
 fn input_name(view: View<'_>, input: Input) -> String {
     let (array, indices, rank) = view.function.input_element(input);
     element_name(view.tables.symbols.text(array.name), &indices[..rank])

@@ -17,15 +17,13 @@ use std::str::FromStr;
 /// Number system of the evaluation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NumberSystem {
-    /// A number format; values with their own format are computed in
-    /// that.
+    /// A number format; values may have their own.
     Format(Format),
     /// Pairs of binary64, about 106 bits.
     DoubleDouble,
     /// A prime field that the seed chooses, with sines and cosines on a circle.
     Field,
-    /// Floats of at least this many bits; the mantissa is made of whole
-    /// 64-bit words.
+    /// Floats of at least this many bits: the mantissa is whole 64-bit words.
     Bits(usize),
 }
 
@@ -79,15 +77,13 @@ pub(super) trait Show: Arithmetic {
         evaluate(function, self, &literals.collect::<Vec<_>>())
     }
 
-    /// A number in its printed form.
     fn show(&self, number: Self::Number, format: ResultFormat) -> Shown;
 
     /// Forgets all numbers made so far.
     fn clear(&self) {}
 }
 
-/// A float: the shortest decimal that is this number, or hexadecimal on
-/// request.
+/// A float: the shortest decimal of this number, or hexadecimal.
 fn float(number: f64, decimal: String, format: ResultFormat) -> Shown {
     Shown {
         text: match format {
@@ -135,13 +131,11 @@ impl Show for DoubleDouble {
     }
 }
 
-/// Floats of a precision. Numbers are places in a list, as the evaluator
-/// copies them.
+/// Floats of a precision, places in a list, as the evaluator copies numbers.
 pub(super) struct BigFloatArithmetic {
     precision: usize,
     numbers: RefCell<Vec<BigFloat>>,
-    /// Digits of pi and the like, computed on first use; `None` when memory is
-    /// insufficient for them.
+    /// Digits of pi and the like, computed on first use; `None` without memory.
     constants: RefCell<Option<Consts>>,
 }
 

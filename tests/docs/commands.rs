@@ -2,8 +2,7 @@
 //! words and former commands are those of the program.
 
 use robovec::command::commands;
-use robovec::command::former::FORMER;
-use robovec::command::grammar::{EXAMPLES, GROUPS, WORDS, about};
+use robovec::command::grammar::{FORMER, GROUPS, WORDS, about, examples};
 use std::fmt::Write;
 
 /// The page with the groups of commands as they are now.
@@ -33,10 +32,8 @@ fn groups() -> String {
     for (title, names) in GROUPS {
         writeln!(text, "\n## {title}\n").expect("text takes all that is written");
         for name in names {
-            let (_, lines) = EXAMPLES
-                .iter()
-                .find(|(known, _)| known == name)
-                .expect("commands have examples");
+            let lines = examples(name);
+            assert!(!lines.is_empty(), "'{name}' has examples");
             writeln!(
                 text,
                 "`robovec {name}`: {}\n\n```sh\n{}\n```\n",

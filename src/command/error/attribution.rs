@@ -2,9 +2,9 @@
 
 use super::{ErrorAnswer, ErrorArguments, ErrorSetting, chosen};
 use crate::command::CommandFailure;
-use crate::command::flags::whole;
+use crate::command::flags::{FlagChoice, choice, whole};
 use crate::command::input;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use robovec_analysis::interval::GivenData;
 use robovec_analysis::stochastic;
 use robovec_error::errors::{self, ErrorMethod, ErrorSettings, ErrorTable};
@@ -49,24 +49,24 @@ pub(super) struct AttributionArguments {
     effort: u32,
     /// Kind of inputs and literals for the methods proof and interval: real numbers
     /// that are rounded first, or numbers of the format
-    #[arg(
-        long,
-        value_name = "WHAT",
-        value_enum,
-        default_value = "real",
-        requires = "attribution"
-    )]
-    data: GivenWord,
+    #[arg(long, value_name = "WHAT", value_parser = choice(&DATA), default_value = "real",
+        requires = "attribution")]
+    data: GivenData,
 }
 
-/// Kind of inputs and literals before the run.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum GivenWord {
-    /// Inputs are numbers of the format, literals of binary64
-    Held,
-    /// Inputs are real numbers, literals are the decimals as written
-    Real,
-}
+/// Kinds of inputs and literals before the run.
+const DATA: [FlagChoice<GivenData>; 2] = [
+    (
+        &["held"],
+        "Inputs are numbers of the format, literals of binary64",
+        GivenData::Held,
+    ),
+    (
+        &["real"],
+        "Inputs are real numbers, literals are the decimals as written",
+        GivenData::Real,
+    ),
+];
 
 /// Methods of `--blame`; the last one has formats it cannot sample.
 const BLAME: [ErrorMethod; 3] = [
@@ -75,7 +75,6 @@ const BLAME: [ErrorMethod; 3] = [
     ErrorMethod::Stochastic,
 ];
 
-/// Methods of `--prove`.
 const PROVE: [ErrorMethod; 1] = [ErrorMethod::Proof];
 
 /// Maximum cost of differentiating all outputs, in values times outputs; where
@@ -113,10 +112,7 @@ pub(super) fn run(
                     samples: options.samples,
                     boxes: options.boxes as usize,
                     effort: options.effort,
-                    data: match options.data {
-                        GivenWord::Held => GivenData::Held,
-                        GivenWord::Real => GivenData::Real,
-                    },
+                    data: options.data,
                 };
                 let table = ErrorTable::measure(view, &settings).map_err(|error| {
                     let help = "leave it out: --method bound,predict".to_owned();
@@ -161,8 +157,7 @@ fn methods(arguments: &ErrorArguments, format: Format) -> (Vec<ErrorMethod>, Str
     (methods, remark)
 }
 
-/// The assignments whose errors are attributed: those of a list, else all, of
-/// large functions only scalars and vectors.
+/// The assignments whose errors are attributed: listed ones, else usual ones.
 fn outputs(view: View<'_>, list: Option<&str>) -> Result<Vec<usize>, CommandFailure> {
     if let Some(list) = list {
         return chosen(view, list);

@@ -1,16 +1,14 @@
 //! `robovec error`: how exact results are, how inexact they can be, and why.
 //!
-//! One reader of subjects serves three questions: the errors of every output,
-//! also after every pass ([`outputs`]), their attribution and bounds
-//! ([`attribution`]), and the effect of series for sines and cosines
-//! ([`series`]).
+//! One reader of subjects serves three questions: errors of outputs, also after
+//! every pass ([`outputs`]), attribution and bounds ([`attribution`]), and the
+//! effect of series for sines and cosines ([`series`]).
 
 mod attribution;
 mod outputs;
 mod series;
 
-use super::arguments::InputLanguage;
-use super::flags::{SEED, states, whole};
+use super::flags::{SEED, choice, states, whole};
 use super::input;
 use super::{CommandFailure, opt, output};
 use attribution::AttributionArguments;
@@ -19,7 +17,7 @@ use outputs::MeasureArguments;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
-use robovec_io::sources::ReadEquations;
+use robovec_io::sources::{EquationLanguage, ReadEquations};
 use robovec_ir::diagnostic::{clip, suggestion};
 use robovec_ir::print::print_output;
 use robovec_ir::{Format, Machine, View};
@@ -50,8 +48,9 @@ pub(super) struct ErrorArguments {
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
     /// Language of the files, if their names do not show it
-    #[arg(long = "input-language", alias = "language", value_name = "LANGUAGE")]
-    language: Option<InputLanguage>,
+    #[arg(long = "input-language", alias = "language", value_name = "LANGUAGE",
+        value_parser = choice(&input::LANGUAGES))]
+    language: Option<EquationLanguage>,
     /// Only this function; of a model, the one to generate
     #[arg(long, value_name = "NAME")]
     function: Option<String>,
@@ -145,7 +144,6 @@ struct ErrorAnswer {
     files: Vec<(String, String)>,
 }
 
-/// Runs the command: the text for the standard output.
 pub(super) fn run(arguments: &ErrorArguments) -> Result<String, CommandFailure> {
     let setting = ErrorSetting::read(arguments)?;
     let answer = if arguments.series {
@@ -174,7 +172,6 @@ struct ErrorSetting {
     scene: Option<Scene>,
 }
 
-/// A file as read.
 struct ErrorSubject {
     name: String,
     read: ReadEquations,

@@ -32,14 +32,12 @@ pub(super) struct MeasureArguments {
     print_state: Option<u32>,
 }
 
-/// Maximum number of steps of reverse sweeps for condition numbers: a few
-/// seconds.
+/// Maximum steps of reverse sweeps for condition numbers: a few seconds.
 const CONDITION_WORK: u64 = 2_000_000_000;
 
 /// Default number of outputs printed per format.
 const USUAL_TOP: usize = 20;
 
-/// Measures all files.
 pub(super) fn run(
     arguments: &ErrorArguments,
     setting: &ErrorSetting,
@@ -145,8 +143,7 @@ fn every_output(
     Ok(())
 }
 
-/// The inputs of all functions in a state. Elements that several functions read
-/// have the same numbers in all of them.
+/// The inputs of all functions in a state, with the same numbers in all.
 fn state_text(module: &Module, states: &States, state: u32) -> String {
     let mut text = format!("# state {state} of seed {}\nstate\n", states.seed());
     let mut seen: Vec<String> = Vec::new();

@@ -1,10 +1,10 @@
 //! Errors of series for sines and cosines.
 
 use super::{ErrorAnswer, ErrorArguments, ErrorSetting};
-use crate::command::flags::{real, whole};
+use crate::command::flags::{FlagChoice, choice, real, whole};
 use crate::command::output::result_files;
 use crate::command::{CommandFailure, input};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use robovec_explore::trigonometry::{self, TrigonometryEffect, TrigonometrySetting};
 use robovec_io::sources;
 use robovec_ir::Format;
@@ -13,14 +13,11 @@ use robovec_num::trigonometry::{LARGEST_RANGE, MAX_ORDER};
 use robovec_passes::trigonometry::CircularMethod;
 use robovec_present::json::json_text;
 
-/// Choice of polynomials.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
-enum SeriesChoice {
-    /// Taylor series
-    Taylor,
-    /// Fitted to the range
-    Minimax,
-}
+/// Polynomials, by the method that makes them.
+const POLYNOMIALS: [FlagChoice<CircularMethod>; 2] = [
+    (&["taylor"], "Taylor series", CircularMethod::Taylor),
+    (&["minimax"], "Fitted to the range", CircularMethod::Minimax),
+];
 
 /// Options of `--series`.
 #[derive(Args, Debug)]
@@ -38,8 +35,9 @@ pub(super) struct SeriesArguments {
           add = real(1e-12, LARGEST_RANGE, "no series is accurate for larger angles"))]
     angles: Vec<f64>,
     /// Polynomials
-    #[arg(long, value_enum, requires = "series", default_value_t = SeriesChoice::Taylor)]
-    polynomials: SeriesChoice,
+    #[arg(long, value_parser = choice(&POLYNOMIALS), requires = "series",
+        default_value = "taylor")]
+    polynomials: CircularMethod,
     /// Number of times angles are halved before the polynomials
     #[arg(long, value_name = "N", requires = "series", default_value_t = 0,
           add = whole(0, 16, "every halving doubles the rounding error and adds operations"))]
@@ -49,7 +47,6 @@ pub(super) struct SeriesArguments {
 /// Random states of every range.
 const USUAL_STATES: u32 = 100;
 
-/// Measures all files.
 pub(super) fn run(
     arguments: &ErrorArguments,
     setting: &ErrorSetting,
@@ -61,10 +58,7 @@ pub(super) fn run(
         ));
     };
     let question = TrigonometrySetting {
-        method: match series.polynomials {
-            SeriesChoice::Taylor => CircularMethod::Taylor,
-            SeriesChoice::Minimax => CircularMethod::Minimax,
-        },
+        method: series.polynomials,
         orders: series.orders.clone(),
         angles: series.angles.clone(),
         halvings: series.halvings,

@@ -2,17 +2,18 @@
 
 mod designs;
 mod plan;
-mod programs;
 
 use super::flags::{SEED, real, states, whole};
 use super::shares::ShareArguments;
 use super::subjects::named_model;
-use super::{CommandFailure, generation, input, output, progress, telling};
+use super::{CommandFailure, generation, input, output, progress};
+use ExplorationKind::{Designs, Plan, Programs};
 use clap::Args;
 use designs::DesignArguments;
 use robovec_dynamics::generate::{Formulation, Options};
 use robovec_explore::ExplorationProgress;
 use robovec_explore::exploration::{self, Exploration, Explored, ExploredFunction};
+use robovec_explore::front::{FrontQuestion, front};
 use robovec_explore::optimise::start::FORMULATIONS;
 use robovec_explore::program::ExplorationError;
 use robovec_explore::share::{SharedWork, WorkShare};
@@ -84,15 +85,12 @@ pub(super) struct ExploreArguments {
     cpu_limit: Option<usize>,
 }
 
-/// Subject of an exploration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum ExplorationKind {
     Programs,
     Designs,
     Plan,
 }
-
-use ExplorationKind::{Designs, Plan, Programs};
 
 impl ExplorationKind {
     /// Its name, and the words that request it.
@@ -159,12 +157,11 @@ pub(super) fn run(arguments: &ExploreArguments) -> Result<String, CommandFailure
     pool.install(|| match (&arguments.plan, &arguments.designs) {
         (Some(plan), _) => plan::run(arguments, plan),
         (None, Some(axes)) => designs::run(arguments, axes),
-        (None, None) => programs::run(arguments),
+        (None, None) => programs(arguments),
     })
 }
 
-/// Explores one subject after the other; results are written where all of the work
-/// was done, and their text is returned.
+/// Explores one subject after the other, and writes complete results.
 fn each<E: Exploration>(
     arguments: &ExploreArguments,
     angle: Option<f64>,
@@ -190,7 +187,7 @@ fn each<E: Exploration>(
                 text += &format!("{name}: {pieces}, {found} of them found\n");
             }
             Explored::Whole(result) => {
-                text += &result.text(telling::is_verbose());
+                text += &result.text(progress::is_verbose());
                 text.push('\n');
                 results.push(result);
             }
@@ -203,8 +200,7 @@ fn each<E: Exploration>(
     Ok(text.trim_end().to_owned() + "\n")
 }
 
-/// A function with its formulations; positions of which nothing is known lie within
-/// an angle, where there is one.
+/// A function with its formulations; unknown positions lie within an angle.
 fn function(
     subject: &str,
     arguments: &ExploreArguments,
@@ -257,5 +253,30 @@ fn function(
             None | Some(0) => robovec_analysis::rounding::usual_states(operations),
             Some(count) => count,
         },
+    })
+}
+
+/// Numbers of elements per kind, unless the user names others.
+const USUAL_ELEMENTS: [u32; 3] = [4, 16, 64];
+
+/// Explores programs: speed against error.
+fn programs(arguments: &ExploreArguments) -> Result<String, CommandFailure> {
+    let angle = arguments.angle.unwrap_or(0.1);
+    each(arguments, Some(angle), |function, work, progress| {
+        let machine = match arguments.machine.first() {
+            Some(machine) => input::machine(machine)?,
+            None => input::machine(input::usual_machine(&function.module.functions[0])?)?,
+        };
+        let question = FrontQuestion {
+            machine: &machine,
+            elements: match arguments.elements.as_slice() {
+                [] => &USUAL_ELEMENTS,
+                elements => elements,
+            },
+            angle,
+            cpu: arguments.cpu,
+            work,
+        };
+        Ok(front(function, &question, progress))
     })
 }

@@ -16,8 +16,7 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-/// Keeps a share of a plan. The common part of placements of a program is
-/// computed once, so all of a model and pipeline stay together.
+/// Keeps a share of a plan, all of a model and pipeline together.
 fn keep(share: WorkShare, plan: &mut StudyPlan) {
     let mut groups: Vec<(usize, usize)> = Vec::new();
     plan.requests.retain(|request| {
@@ -104,8 +103,7 @@ fn compute(plan: StudyPlan, work: SharedWork<'_>) -> Result<Results, CommandFail
     })
 }
 
-/// Times every program on one core, one after the other; times of an earlier
-/// run are used when it continues.
+/// Times every program on one core, in sequence; known times stay.
 fn time(
     arguments: &ExploreArguments,
     folder: &Path,

@@ -11,7 +11,6 @@ use robovec_present::number::{exponential, or_dash};
 use robovec_present::text_table;
 use std::fmt::Write;
 
-/// Explains the scene.
 pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let file = input::scene(&arguments.scene)?;
     let fail =

@@ -6,8 +6,8 @@ mod neglect;
 
 use super::flags::{SEED, states, whole};
 use super::output::result_files;
-use super::{CommandFailure, input, output, progress, telling};
-use clap::{Args, ValueEnum};
+use super::{CommandFailure, input, output, progress};
+use clap::Args;
 use indicatif::ProgressBar;
 use robovec_analysis::rounding::usual_states;
 use robovec_dynamics::generate::{Formulation, MomentOrigin, PrefixNetwork};
@@ -50,10 +50,10 @@ pub(super) struct FitArguments {
     /// Place where sines and cosines are computed; by default as in the
     /// scene, or on the host
     #[arg(long, conflicts_with_all = SEARCHLESS, value_enum)]
-    trigonometry: Option<Where>,
+    trigonometry: Option<SinePlace>,
     /// Cost to minimise
     #[arg(long, conflicts_with_all = SEARCHLESS, value_enum, default_value_t)]
-    cost: Cost,
+    cost: CostMeasure,
     /// Number of random states of the scene; by default more for smaller
     /// functions
     #[arg(long, conflicts_with_all = SEARCHLESS, default_value_t = 0, hide_default_value = true,
@@ -72,29 +72,6 @@ pub(super) struct FitArguments {
     /// reduce.svg
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-}
-
-/// Place where sines and cosines are computed.
-#[derive(ValueEnum, Clone, Copy, Debug)]
-enum Where {
-    /// Before the run
-    Host,
-    /// Before the run, by a unit with an error: a polynomial, a table or CORDIC
-    Unit,
-    /// By the elements, as series
-    Elements,
-}
-
-/// Measure of the cheapest.
-#[derive(ValueEnum, Clone, Copy, Default, Debug)]
-enum Cost {
-    /// The share of the device that the machine takes, with one floating-point
-    /// format
-    #[default]
-    Device,
-    /// The cells of the arithmetic, for custom hardware: fixed point, or a
-    /// format for each value, may be chosen
-    Cells,
 }
 
 pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
@@ -124,10 +101,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         formulations: formulations(arguments, &file, &general),
         machine: &machine,
         trigonometry: place(arguments, &file),
-        cost: match arguments.cost {
-            Cost::Device => CostMeasure::Device,
-            Cost::Cells => CostMeasure::Cells,
-        },
+        cost: arguments.cost,
         sizes: ArraySizes::of(view(&general), Some(&file.scene)),
         states,
         seed: arguments.seed,
@@ -161,7 +135,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         &task,
         &outcome,
         confirmation.as_ref(),
-        telling::is_verbose(),
+        progress::is_verbose(),
     );
     if confirmation.is_some_and(|confirmation| confirmation.holds()) {
         return Ok(text);
@@ -196,17 +170,15 @@ fn motion<'a>(
 }
 
 fn place(arguments: &FitArguments, file: &SceneFile) -> SinePlace {
-    match arguments.trigonometry {
-        Some(Where::Host) => SinePlace::Host,
-        Some(Where::Unit) => SinePlace::Unit,
-        Some(Where::Elements) => SinePlace::Elements,
-        None if file.scene.series => SinePlace::Elements,
-        None => SinePlace::Host,
-    }
+    let usual = if file.scene.series {
+        SinePlace::Elements
+    } else {
+        SinePlace::Host
+    };
+    arguments.trigonometry.unwrap_or(usual)
 }
 
-/// The machine requested, else that of the scene, else one with the elements
-/// that the function needs.
+/// The machine requested, else the scene's, else one that the function needs.
 fn machine(
     arguments: &FitArguments,
     file: &SceneFile,
@@ -219,9 +191,8 @@ fn machine(
     }
 }
 
-/// The formulations that are tried: those requested, else the one the scene
-/// wishes for, else all that can be the best. Those that the generator refuses
-/// are left out.
+/// The formulations that are tried: those requested, else the scene's, else all
+/// that can be the best, without those that the generator refuses.
 fn formulations(
     arguments: &FitArguments,
     file: &SceneFile,

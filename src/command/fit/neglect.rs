@@ -1,14 +1,13 @@
 //! `robovec fit --reduce`: parts that a scene need not model.
 
 use super::FitArguments;
-use crate::command::{CommandFailure, input, output, progress, telling};
+use crate::command::{CommandFailure, input, output, progress};
 use robovec_explore::neglect::{self, NeglectError, NeglectTask};
 use robovec_explore::scene::SceneSubject;
 use robovec_io::files::{Replace, limited};
 use robovec_io::sources::display_name;
 use robovec_model::mbs::unsayable;
 
-/// Reduces the scene.
 pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
     let path = &arguments.scene;
     let name = display_name(path);
@@ -64,5 +63,5 @@ pub(super) fn run(arguments: &FitArguments) -> Result<String, CommandFailure> {
         files.extend(neglect::report(&task, &findings));
         output::write_files(folder, &files)?;
     }
-    Ok(neglect::text(&task, &findings, telling::is_verbose()))
+    Ok(neglect::text(&task, &findings, progress::is_verbose()))
 }

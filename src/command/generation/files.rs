@@ -1,7 +1,8 @@
 //! Equations as Robotran's C, Matlab or Python files.
 
+use crate::command::flags::{FlagChoice, choice};
 use crate::command::{CommandFailure, output};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use robovec_cgen::c::{Options, Real};
 use robovec_cgen::kind::Generation;
 use robovec_cgen::superword::SuperwordLanes;
@@ -19,8 +20,8 @@ use std::path::{Path, PathBuf};
 #[command(next_help_heading = "Files of Robotran")]
 pub(super) struct FileArguments {
     /// Language of the files to write, instead of robovec's text
-    #[arg(long, value_enum)]
-    pub(super) language: Option<OutputLanguage>,
+    #[arg(long, value_parser = choice(&LANGUAGES))]
+    pub(super) language: Option<Language>,
     /// Name of the model, in file names and headers; by default the input's
     #[arg(
         long = "name",
@@ -49,24 +50,60 @@ pub(super) struct FileArguments {
     )]
     rivals: Vec<String>,
     /// With --bounded or --whole-step: compute in this type; loops are closed in binary64
-    #[arg(long, value_enum, default_value = "double", requires = "drop_in")]
-    pub(super) number: CFloat,
+    #[arg(long, value_parser = choice(&REALS), default_value = "double", requires = "drop_in")]
+    pub(super) number: Real,
     /// With --bounded or --whole-step: vectors for operations that repeat in the sides of
     /// a mechanism, such as legs; the C is for gcc and clang
-    #[arg(long, value_enum, default_value = "none", requires = "drop_in")]
-    pub(super) superwords: CSuperwords,
+    #[arg(long, value_parser = choice(&SUPERWORDS), default_value = "none", requires = "drop_in")]
+    pub(super) superwords: SuperwordLanes,
     /// Version of Robotran's generator whose names the C uses; by default that
     /// of the file, and 8.1 for a model
-    #[arg(long, value_enum)]
-    pub(super) generation: Option<GenerationName>,
+    #[arg(long, value_parser = choice(&GENERATIONS))]
+    pub(super) generation: Option<Generation>,
 }
+
+/// Types that C computes in.
+const REALS: [FlagChoice<Real>; 2] = [
+    (&["double", "f64"], "IEEE binary64", Real::Double),
+    (
+        &["float", "f32"],
+        "IEEE binary32; MBsysC's arrays stay binary64",
+        Real::Float,
+    ),
+];
+
+/// Numbers of a vector for operations of equal structure.
+const SUPERWORDS: [FlagChoice<SuperwordLanes>; 5] = [
+    (&["none"], "No vectors", SuperwordLanes::None),
+    (&["2"], "Two, for two sides", SuperwordLanes::Two),
+    (&["3"], "Three, for three arms", SuperwordLanes::Three),
+    (
+        &["4"],
+        "Four, for four legs or wheels",
+        SuperwordLanes::Four,
+    ),
+    (&["auto"], "The fewest instructions", SuperwordLanes::Auto),
+];
+
+/// Languages that Robotran writes.
+const LANGUAGES: [FlagChoice<Language>; 3] = [
+    (&["c"], "C, for MBsysC", Language::C),
+    (&["matlab"], "Matlab, for MBsysLab", Language::Matlab),
+    (&["python"], "Python, for MBsysPy", Language::Python),
+];
+
+/// Generators whose names C uses.
+const GENERATIONS: [FlagChoice<Generation>; 2] = [
+    (&["8.1"], "MbsData, mbs_dirdyna", Generation::Current),
+    (&["6.6"], "MBSdataStruct, dirdyna", Generation::Old),
+];
 
 impl FileArguments {
     /// Files of a module that was read from a path.
     pub(super) fn write(
         &self,
         module: &Module,
-        language: OutputLanguage,
+        language: Language,
         path: &Path,
     ) -> Result<Vec<(String, String)>, CommandFailure> {
         let options = WriteOptions {
@@ -74,7 +111,7 @@ impl FileArguments {
             zeros: self.zeros,
         };
         let written = if self.bounded {
-            if language != OutputLanguage::C {
+            if language != Language::C {
                 return Err(CommandFailure::advised(
                     "only C is written in functions of bounded length".to_owned(),
                     vec!["leave --bounded out: Matlab and Python are not compiled".to_owned()],
@@ -84,8 +121,8 @@ impl FileArguments {
                 module,
                 &DropInOptions {
                     c: Options {
-                        real: self.number.real(),
-                        superwords: self.superwords.lanes(),
+                        real: self.number,
+                        superwords: self.superwords,
                         ..Options::default()
                     },
                     write: options,
@@ -94,102 +131,9 @@ impl FileArguments {
                 },
             )
         } else {
-            write(module, language.into(), &options)
+            write(module, language, &options)
         };
         written.map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))
-    }
-}
-
-/// The type that C computes in.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum CFloat {
-    /// IEEE binary64
-    #[value(alias = "f64")]
-    Double,
-    /// IEEE binary32; MBsysC's arrays stay binary64
-    #[value(alias = "f32")]
-    Float,
-}
-
-impl CFloat {
-    /// The type in C.
-    pub(super) fn real(self) -> Real {
-        match self {
-            CFloat::Double => Real::Double,
-            CFloat::Float => Real::Float,
-        }
-    }
-}
-
-/// Numbers of a vector for operations of equal structure.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum CSuperwords {
-    /// No vectors
-    None,
-    /// Two, for two sides
-    #[value(name = "2")]
-    Two,
-    /// Three, for three arms
-    #[value(name = "3")]
-    Three,
-    /// Four, for four legs or wheels
-    #[value(name = "4")]
-    Four,
-    /// The fewest instructions
-    Auto,
-}
-
-impl CSuperwords {
-    /// The vectors in C.
-    pub(super) fn lanes(self) -> SuperwordLanes {
-        match self {
-            CSuperwords::None => SuperwordLanes::None,
-            CSuperwords::Two => SuperwordLanes::Two,
-            CSuperwords::Three => SuperwordLanes::Three,
-            CSuperwords::Four => SuperwordLanes::Four,
-            CSuperwords::Auto => SuperwordLanes::Auto,
-        }
-    }
-}
-
-/// A language Robotran writes.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum OutputLanguage {
-    /// C, for MBsysC
-    C,
-    /// Matlab, for MBsysLab
-    Matlab,
-    /// Python, for MBsysPy
-    Python,
-}
-
-/// The generator whose names the C uses.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum GenerationName {
-    /// MbsData, mbs_dirdyna
-    #[value(name = "8.1")]
-    Current,
-    /// MBSdataStruct, dirdyna
-    #[value(name = "6.6")]
-    Old,
-}
-
-impl From<GenerationName> for Generation {
-    fn from(name: GenerationName) -> Generation {
-        match name {
-            GenerationName::Current => Generation::Current,
-            GenerationName::Old => Generation::Old,
-        }
-    }
-}
-
-impl From<OutputLanguage> for Language {
-    fn from(language: OutputLanguage) -> Language {
-        match language {
-            OutputLanguage::C => Language::C,
-            OutputLanguage::Matlab => Language::Matlab,
-            OutputLanguage::Python => Language::Python,
-        }
     }
 }
 

@@ -3,12 +3,11 @@
 mod files;
 mod whole_step;
 
-use super::arguments::InputLanguage;
-use super::flags::whole;
-use super::{CommandFailure, base_parameters, input, names, opt, output, telling};
+use super::flags::{choice, whole};
+use super::{CommandFailure, base_parameters, input, opt, output, progress};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{ArgGroup, Args};
-use files::{FileArguments, GenerationName, OutputLanguage, refuse_losses};
+use files::{FileArguments, refuse_losses};
 use robovec_cgen::kind::Generation;
 use robovec_dynamics::generate::{
     Formulation, GenerationRequest, Options, ParameterBinding, TermOrder, case_name, fewest,
@@ -18,11 +17,11 @@ use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
 use robovec_framework::scene::Scene;
 use robovec_io::files::Replace;
-use robovec_io::sources;
+use robovec_io::sources::{self, EquationLanguage};
 use robovec_ir::diagnostic::did_you_mean;
 use robovec_ir::{Module, print};
 use robovec_model::Model;
-use robovec_robotran::FunctionKind;
+use robovec_robotran::{FunctionKind, Language};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -98,8 +97,8 @@ pub(super) struct GenArguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     hold: Vec<String>,
     /// Language of files of equations; by default found from their names and content
-    #[arg(long, value_enum)]
-    input_language: Option<InputLanguage>,
+    #[arg(long, value_parser = choice(&input::LANGUAGES))]
+    input_language: Option<EquationLanguage>,
     /// Passes that run over the equations, e.g. atomise,cse,dce
     #[arg(long, value_name = "PIPELINE")]
     passes: Option<String>,
@@ -238,7 +237,6 @@ pub(super) fn formulation(name: &str) -> Formulation {
     Formulation::from_name(name).expect("the command line has checked the formulation")
 }
 
-/// Generates the functions of a model into one module.
 pub(super) fn functions(
     model: &Model,
     kinds: &[FunctionKind],
@@ -284,11 +282,11 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let mut files = Vec::new();
     for path in &arguments.subjects {
         let mut module = equations(path, arguments, &pipeline)?;
-        let generation = arguments.files.generation;
-        let usual = sources::is_model_path(path).then_some(GenerationName::Current);
-        if let (Some(generation), OutputLanguage::C) = (generation.or(usual), language) {
+        let usual = sources::is_model_path(path).then_some(Generation::Current);
+        let generation = arguments.files.generation.or(usual);
+        if let (Some(generation), Language::C) = (generation, language) {
             let functions = module.functions.iter_mut();
-            functions.for_each(|function| Generation::from(generation).mark(function));
+            functions.for_each(|function| generation.mark(function));
         }
         files.extend(arguments.files.write(&module, language, path)?);
     }
@@ -305,7 +303,7 @@ fn text(arguments: &GenArguments, pipeline: &Pipeline) -> Result<String, Command
         ));
     };
     if let Some(file) = &arguments.output {
-        names::refuse_wrong(file, true)?;
+        output::refuse_wrong(file, true)?;
         output::refuse_foreign(Some(file), &[""], Replace::Own)?;
     }
     let module = equations(path, arguments, pipeline)?;
@@ -343,7 +341,7 @@ fn equations(
         &mut input.module,
         pipeline,
         scene.as_ref(),
-        &mut telling::remarks(),
+        &mut progress::remarks(),
     )
     .map_err(|error| CommandFailure::plain(format!("{}: {error}", path.display())))?;
     Ok(input.module)
@@ -360,14 +358,13 @@ fn not_a_model(option: &str, path: &Path) -> CommandFailure {
     )
 }
 
-/// Generates the functions requested.
 fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFailure> {
     let kinds = kinds(&arguments.function)?;
     let whole = [FunctionKind::Accelred, FunctionKind::Invdynared];
     let whole = kinds.iter().find(|kind| whole.contains(kind));
-    if let (Some(kind), Some(OutputLanguage::C)) = (whole, arguments.files.language) {
+    if let (Some(kind), Some(Language::C)) = (whole, arguments.files.language) {
         let _ = writeln!(
-            telling::remarks(),
+            progress::remarks(),
             "remark: {name} takes forces as given and loops as closed, but MBsysC needs more \
              from mbs_{name}; --whole-step writes all of it",
             name = kind.name()
@@ -403,7 +400,7 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
             .map_err(|error| CommandFailure::plain(error.to_string()))?;
         let names: Vec<&str> = empty.iter().map(|kind| kind.name()).collect();
         let _ = writeln!(
-            telling::remarks(),
+            progress::remarks(),
             "remark: the model has no equations for {}",
             names.join(", ")
         );
@@ -411,9 +408,8 @@ fn of_model(path: &Path, arguments: &GenArguments) -> Result<Module, CommandFail
     Ok(module)
 }
 
-/// Keeps the cases of a function that were requested by their names
-/// (`sensor_2`, `frame_tool0`), among the functions of a module from a first one
-/// on.
+/// Keeps the cases of a function requested by name (`sensor_2`, `frame_tool0`),
+/// among the functions of a module from a first one on.
 fn keep_cases(
     module: &mut Module,
     first: usize,
@@ -449,10 +445,9 @@ fn keep_cases(
     Ok(())
 }
 
-/// Runs a pipeline over a module, for the machine of the thesis; remarks of
-/// passes go to the standard error.
+/// Runs a pipeline for the thesis' machine; remarks go to standard error.
 pub(super) fn transform(module: &mut Module, pipeline: &Pipeline) -> Result<(), CommandFailure> {
-    transform_remarking(module, pipeline, &mut telling::remarks())
+    transform_remarking(module, pipeline, &mut progress::remarks())
 }
 
 /// Does as [`transform`], and passes the remarks of passes to an observer.

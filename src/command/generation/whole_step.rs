@@ -1,8 +1,8 @@
 //! `robovec gen --whole-step`: C that does the whole step of MBsysC.
 
-use super::files::{GenerationName, save};
+use super::files::save;
 use super::{FEWEST, GenArguments, not_a_model, transform, transform_remarking};
-use crate::command::{CommandFailure, input, telling};
+use crate::command::{CommandFailure, input, progress};
 use robovec_cgen::c::{self, Real};
 use robovec_dynamics::generate::{GenerateError, cuts_of_rows, redundant_rows};
 use robovec_dynamics::whole_step::{self, StepFunction, StepStyle, step_error};
@@ -30,24 +30,19 @@ pub(super) fn run(arguments: &GenArguments) -> Result<String, CommandFailure> {
     let mut module = whole_step::generate_parts(&model, &steps, formulation, &options)
         .map_err(|error| CommandFailure::plain(error.to_string()))?;
     tell_redundant(&model)?;
-    // Passes of the preset that do not suit one of the parts have nothing to
-    // tell whoever did not ask for them.
+    // Passes of the preset that do not suit a part report nothing.
     match arguments.passes {
         Some(_) => transform(&mut module, &pipeline)?,
         None => transform_remarking(&mut module, &pipeline, &mut std::io::sink())?,
     }
-    let real = arguments.files.number.real();
+    let real = arguments.files.number;
     let style = StepStyle {
         c: &c::Options {
             real,
-            superwords: arguments.files.superwords.lanes(),
+            superwords: arguments.files.superwords,
             ..c::Options::default()
         },
-        generation: arguments
-            .files
-            .generation
-            .unwrap_or(GenerationName::Current)
-            .into(),
+        generation: arguments.files.generation.unwrap_or_default(),
         options: &options,
     };
     let files = whole_step::files(&model, &steps, &module, &style)
@@ -65,7 +60,7 @@ fn tell_redundant(model: &Model) -> Result<(), CommandFailure> {
     let cuts = cuts_of_rows(model).map_err(failed)?;
     for row in redundant_rows(model).map_err(failed)? {
         let _ = writeln!(
-            telling::remarks(),
+            progress::remarks(),
             "remark: row {} of the constraints (cut '{}') repeats other rows, and is left out",
             row + 1,
             model.cuts[cuts[row]].name

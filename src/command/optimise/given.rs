@@ -22,7 +22,6 @@ pub(super) struct GivenStarts {
     pub(super) file: Option<PathBuf>,
 }
 
-/// Reads the inputs that the user named.
 pub(super) fn given(arguments: &OptimiseArguments) -> Result<GivenStarts, CommandFailure> {
     if let Some(scene) = &arguments.scene {
         return with_scene(arguments, input::scene(scene)?.scene);
@@ -40,7 +39,6 @@ fn with_scene(arguments: &OptimiseArguments, scene: Scene) -> Result<GivenStarts
     equations(arguments, function.as_deref(), Some(scene))
 }
 
-/// Subject of a scene.
 fn of_scene(arguments: &OptimiseArguments, file: SceneFile) -> Result<GivenStarts, CommandFailure> {
     let mut module = file
         .module()

@@ -158,8 +158,7 @@ fn compiler_advice() -> Vec<String> {
     vec![advice.to_owned()]
 }
 
-/// The name of a machine that is requested, or that the function needs; `None`
-/// for the usual one.
+/// Name of a machine requested or needed; `None` for the usual one.
 fn wanted_machine(
     arguments: &OptimiseArguments,
     given: &given::GivenStarts,

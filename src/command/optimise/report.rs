@@ -3,7 +3,7 @@
 use super::OptimiseArguments;
 use super::given::GivenStarts;
 use crate::command::output::{self, result_files};
-use crate::command::{CommandFailure, telling};
+use crate::command::{CommandFailure, progress};
 use robovec_cgen::c;
 use robovec_cgen::superword::SuperwordLanes;
 use robovec_explore::optimise::answer::{self, OptimisationAnswer};
@@ -107,7 +107,7 @@ pub(super) fn report(
     let rows = SCREEN.saturating_sub(head.lines().count() + FRAME);
     let table = text::front_table(found, answer.measure, rows);
     let mut text = format!("{head}\n{table}\n{}{rest}\n", text::numbers(found));
-    if telling::is_verbose() {
+    if progress::is_verbose() {
         text += &format!("\n{}\n\nto make it again:\n{commands}", text::table(found));
         if given.scene.is_some() {
             text += "\n";
@@ -196,15 +196,13 @@ fn results(
     files
 }
 
-/// True for a file beside the page, not of the hardware, in the language of the
-/// input.
+/// True for a file beside the page, in the language of the input.
 fn is_in_its_language(name: &str, input: &Path) -> bool {
     let extension = Path::new(name).extension();
     !name.contains('/') && extension.is_some() && extension == input.extension()
 }
 
-/// Names and texts of the code before and after: in the language that came in,
-/// else as robovec's text.
+/// Names and texts of the code before and after, in the input's language.
 fn code(
     arguments: &OptimiseArguments,
     given: &GivenStarts,
@@ -229,7 +227,6 @@ fn code(
     [(name, before), (format!("Program: {PROGRAM}"), after)]
 }
 
-/// Results for programs.
 #[derive(Serialize)]
 struct OptimisationResults<'a> {
     answer: &'a OptimisationAnswer,
@@ -243,7 +240,6 @@ struct OptimisationResults<'a> {
     points: &'a [OptimisationPoint],
 }
 
-/// Writes all files into a folder.
 fn write(folder: &Path, files: &[(String, String)]) -> Result<(), CommandFailure> {
     let top: Vec<(&str, &str)> = files
         .iter()
@@ -266,8 +262,7 @@ fn write(folder: &Path, files: &[(String, String)]) -> Result<(), CommandFailure
     Ok(())
 }
 
-/// The command that puts the program into the place of the input, and the
-/// files to use.
+/// The command that replaces the input by the program, and the files to use.
 fn uses(
     arguments: &OptimiseArguments,
     folder: &Path,
@@ -326,15 +321,12 @@ fn in_its_language(arguments: &OptimiseArguments, found: &Optimised) -> Vec<(Str
     write_equations(&found.program, language, &WriteOptions::default()).unwrap_or_default()
 }
 
-/// The name of the page.
 const PAGE: &str = "optimise.html";
 
-/// The name of the file with the equations from which the best program starts,
-/// if they are not the input.
+/// Name of the file with the best program's start, if that is not the input.
 pub(super) const START: &str = "start.rvir";
 
-/// True when the program starts from the input itself and the input is a file,
-/// not a built-in model.
+/// True when the program starts from the input itself, a file.
 fn is_input(arguments: &OptimiseArguments, found: &Optimised) -> bool {
     found.start == 0 && Path::new(&arguments.input).is_file()
 }
@@ -441,8 +433,7 @@ fn program_files(
     }
 }
 
-/// C that replaces Robotran's file; of a function that is none of Robotran's,
-/// with its own arrays.
+/// C that replaces Robotran's file; of other functions, with their arrays.
 fn in_c(
     module: &Module,
     superwords: SuperwordLanes,

@@ -40,8 +40,7 @@ pub(super) struct ProjectBuild {
     pub(super) folder: PathBuf,
 }
 
-/// Finds the build of a project. `library` is the folder of MBsysC, MBsysPy
-/// or MBsysLab.
+/// Finds the build of a project; `library`: MBsysC's, MBsysPy's or MBsysLab's.
 pub(super) fn find(
     project: &FoundProject,
     library: Option<&Path>,
@@ -111,8 +110,7 @@ fn cmake(project: &FoundProject, library: Option<&Path>) -> Option<ProjectBuild>
     })
 }
 
-/// The command that selects the whole step in the sources of a project, if its
-/// library has the option.
+/// The command that selects the whole step in a project, if it has the option.
 fn step_option(project: &FoundProject, library: Option<&Path>) -> Option<String> {
     let module = |path: &&PathBuf| path.ends_with("mbs_module/mbs_dirdyn.c");
     let own = library.map(|path| path.join("mbs_common/mbs_module/mbs_dirdyn.c"));
@@ -173,7 +171,6 @@ fn scripted(project: &FoundProject, file: PathBuf, command: &str) -> ProjectBuil
     }
 }
 
-/// The folder of a file, inside the project.
 fn folder(project: &FoundProject, file: &Path) -> PathBuf {
     let folder = file.parent().unwrap_or(file);
     let inside = folder.strip_prefix(&project.root).unwrap_or(folder);

@@ -1,16 +1,14 @@
 //! Plain calls of a project about its joints.
 //!
 //! A project of MBsysC gives the number of its constraints and its driven
-//! joints by calls in its main program. They are read where their arguments
-//! are numbers or the names of joints; a program that computes them is not
-//! run.
+//! joints by calls in its main program. They are read where arguments are
+//! numbers or names of joints; nothing is run.
 
 use robovec_io::files::limited;
 use robovec_model::{Model, Nature};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The calls of a project.
 #[derive(Default)]
 pub(super) struct ProjectCalls {
     /// Number of its constraints; `None` where no call gives it.
@@ -31,7 +29,6 @@ const ROLES: [(&str, Nature); 3] = [
     ("mbs_set_qdriven", Nature::Driven),
 ];
 
-/// Reads the calls in sources.
 pub(super) fn read<'p>(files: impl Iterator<Item = &'p PathBuf>) -> ProjectCalls {
     let mut calls = ProjectCalls::default();
     for file in files {
@@ -126,7 +123,6 @@ fn without_percent(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// A text of C without its comments.
 fn without_comments(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     let mut rest = text;

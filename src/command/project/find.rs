@@ -9,8 +9,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders that hold results, drawings, what was built, or MBsysC, which
-/// has empty equations.
+/// Folders of results, drawings, builds, or MBsysC, which has empty equations.
 const PASSED_OVER: [&str; 7] = [
     "mbs_common",
     "animationR",
@@ -27,13 +26,10 @@ const DEPTH: usize = 12;
 /// Maximum number of files; those beyond it are passed over.
 const FILES: usize = 50_000;
 
-/// A project.
 pub(super) struct FoundProject {
-    /// Folder of the project.
     pub(super) root: PathBuf,
     /// The name in the equations' file names.
     pub(super) name: String,
-    /// Folder of the equations.
     pub(super) symbolic: PathBuf,
     pub(super) language: Language,
     /// Function and file, in the order of Robotran's numbers.
@@ -68,7 +64,6 @@ impl FoundProject {
 /// Equations of one model in one folder and language.
 type EquationFolder = (String, PathBuf, &'static str);
 
-/// Finds the parts of a project.
 pub(super) fn project(root: &Path, model: Option<&Path>) -> Result<FoundProject, CommandFailure> {
     let mut files = Vec::new();
     walk(root, 0, &PASSED_OVER, &mut files)
@@ -173,8 +168,7 @@ pub(super) fn walk(
     Ok(())
 }
 
-/// Function, model and ending of a file of equations: `mbs_dirdyna_X.c`, or
-/// `dirdyna_X.c` of generator 6.6.
+/// Function, model and ending of a name like `mbs_dirdyna_X.c`.
 fn equation_name(path: &Path) -> Option<(FunctionKind, String, &'static str)> {
     let end = ["c", "m", "py"]
         .into_iter()

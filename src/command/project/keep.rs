@@ -13,11 +13,9 @@ use std::path::Path;
 /// Folder of the originals.
 const KEPT: &str = ".robovec";
 
-/// Name of the list: the folder of the equations, then a line for each file, with
-/// `+` where it was added.
+/// Name of the list: the folder, then a line for each file, `+` if added.
 const LIST: &str = "replaced.txt";
 
-/// Replaces and adds files of a project.
 pub(super) fn apply(
     project: &FoundProject,
     files: &[(String, String)],

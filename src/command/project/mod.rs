@@ -12,13 +12,12 @@ mod calls;
 mod copy;
 mod find;
 mod keep;
-mod missing;
 mod replace;
 mod results;
 mod trial;
 
 use super::flags::{real, whole};
-use super::{CommandFailure, input, output, telling};
+use super::{CommandFailure, input, output, progress};
 use clap::Args;
 use find::FoundProject;
 use replace::NewEquations;
@@ -62,7 +61,6 @@ pub(super) struct ProjectArguments {
     trial: TrialArguments,
 }
 
-/// Runs the command: the text for the standard output.
 pub(super) fn run(arguments: &ProjectArguments) -> Result<String, CommandFailure> {
     if arguments.undo {
         return keep::undo(&arguments.folder);
@@ -129,7 +127,7 @@ fn model(
     let read = sources::model(path)?;
     if !read.warnings.diagnostics().is_empty() {
         let _ = writeln!(
-            telling::remarks(),
+            progress::remarks(),
             "remark: {} for the model; 'robovec model {}' prints them",
             counted(read.warnings.diagnostics().len(), "warning"),
             path.display()
@@ -141,7 +139,7 @@ fn model(
             Some(place) => model.joints[place].nature = *nature,
             None => {
                 let _ = writeln!(
-                    telling::remarks(),
+                    progress::remarks(),
                     "remark: the project gives a role to the joint '{joint}', which the model has \
                      not; --driven names driven ones"
                 );

@@ -18,9 +18,7 @@ use robovec_robotran::write::{WriteOptions, write};
 use robovec_robotran::{FunctionKind, Language};
 use std::path::{Path, PathBuf};
 
-/// New equations of one function.
 pub(super) struct NewEquations {
-    /// Name of the function.
     pub(super) function: String,
     /// Operations of the project's file.
     pub(super) before: Option<usize>,
@@ -38,7 +36,6 @@ pub(super) struct NewEquations {
     pub(super) files: Vec<(String, String)>,
 }
 
-/// New equations for every file of a project.
 pub(super) fn equations(project: &FoundProject, model: Option<&Model>) -> Vec<NewEquations> {
     let make = |(kind, path): &(FunctionKind, PathBuf)| {
         let mut new = NewEquations {
@@ -60,7 +57,6 @@ pub(super) fn equations(project: &FoundProject, model: Option<&Model>) -> Vec<Ne
     project.equations.iter().map(make).collect()
 }
 
-/// Fills in the new equations of a file.
 fn renewed(
     project: &FoundProject,
     model: Option<&Model>,
@@ -130,7 +126,6 @@ fn optimise(module: &mut Module) -> Result<(), String> {
     transform_remarking(module, &pipeline, &mut std::io::sink()).map_err(failed)
 }
 
-/// The first message of a report.
 fn first(report: &Report) -> String {
     let message = report.diagnostics().first();
     message.map_or_else(String::new, |message| message.message.clone())

@@ -7,7 +7,6 @@ use std::time::SystemTime;
 /// Endings of files of numbers.
 const ENDINGS: [&str; 5] = ["res", "anim", "txt", "csv", "dat"];
 
-/// A printed number.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct PrintedNumber {
     value: f64,

@@ -1,16 +1,15 @@
-//! `robovec rtl`: hardware for a placed program, programs for hardware, memory
-//! images run without any (`simulate`), and the cells of operators
-//! (`synthesise`).
+//! `robovec rtl`: hardware for a placed program, programs for hardware, images
+//! run without any (`simulate`), cells of operators (`synthesise`).
 
 mod bench;
 mod images;
 mod synthesise;
 
-use super::flags::whole;
+use super::flags::{FlagChoice, choice, whole};
 use super::opt::select;
-use super::{CommandFailure, input, output, placed, telling};
+use super::{CommandFailure, input, output, progress, simulation};
 use bench::RtlBenchArguments;
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use robovec_analysis::rounding::usual_states;
 use robovec_error::yardstick::Yardstick;
 use robovec_error::yardstick::account::{ErrorAccount, random_states};
@@ -63,8 +62,8 @@ struct RtlArguments {
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Extent of the crossbar that is built
-    #[arg(long, value_enum, default_value_t = CrossbarExtent::Full)]
-    crossbar: CrossbarExtent,
+    #[arg(long, value_parser = choice(&EXTENTS), default_value = "full")]
+    crossbar: CrossbarChoice,
     /// Only this function of the input
     #[arg(long, value_name = "NAME")]
     function: Option<String>,
@@ -90,16 +89,20 @@ struct RtlArguments {
     place_and_route: Option<Vec<u32>>,
 }
 
-/// Extent of the crossbar that is built.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum CrossbarExtent {
-    /// Every pair of source and write port: any program fits
-    Full,
-    /// The pairs that the program uses
-    Pruned,
-}
+/// Extents of the crossbar that is built.
+const EXTENTS: [FlagChoice<CrossbarChoice>; 2] = [
+    (
+        &["full"],
+        "Every pair of source and write port: any program fits",
+        CrossbarChoice::Full,
+    ),
+    (
+        &["pruned"],
+        "The pairs that the program uses",
+        CrossbarChoice::Pruned,
+    ),
+];
 
-/// Runs the command: the text for the standard output.
 pub(super) fn run(command: &RtlCommand) -> Result<String, CommandFailure> {
     match &command.other {
         Some(HardwareCommand::Simulate(arguments)) => images::run(arguments),
@@ -129,13 +132,9 @@ fn build(arguments: &RtlArguments) -> Result<String, CommandFailure> {
     let (module, machine, scene) = program(arguments, asked.map(input::machine).transpose()?)?;
     let function = only_function(&module)?;
     let view = module.tables.view(function);
-    let choice = match arguments.crossbar {
-        CrossbarExtent::Full => CrossbarChoice::Full,
-        CrossbarExtent::Pruned => CrossbarChoice::Pruned,
-    };
     let mut files = CollectedFiles::default();
-    let hardware =
-        rtl::write_rtl(view, &machine, choice, &mut files).map_err(|error| failure(&error))?;
+    let hardware = rtl::write_rtl(view, &machine, arguments.crossbar, &mut files)
+        .map_err(|error| failure(&error))?;
     let shape = MachineShape::built(&hardware);
     files.add_project(&hardware, &shape)?;
     let benches = bench::benches(&arguments.bench, view, &machine, scene.as_ref(), &files.0)?;
@@ -205,7 +204,6 @@ fn notes(fit: &HardwareFit) -> Vec<String> {
     notes
 }
 
-/// Reads the description of hardware.
 fn hardware(path: &Path) -> Result<Hardware, CommandFailure> {
     let candidates = [path.join("rtl").join(DESCRIPTION), path.join(DESCRIPTION)];
     let found = candidates.into_iter().find(|file| file.is_file());
@@ -244,7 +242,6 @@ fn hardware(path: &Path) -> Result<Hardware, CommandFailure> {
     Ok(hardware)
 }
 
-/// The program and its machine.
 fn program(
     arguments: &RtlArguments,
     machine: Option<Machine>,
@@ -277,9 +274,9 @@ fn program(
         None => own_machine(module)?,
     };
     match arguments.passes {
-        None => placed::check(&input, &machine)?,
+        None => simulation::check(&input, &machine)?,
         Some(_) => {
-            let mut log = telling::remarks();
+            let mut log = progress::remarks();
             let config = Config {
                 scene: scene.as_ref(),
                 ..Config::new(&machine, &mut log)
@@ -291,8 +288,7 @@ fn program(
     Ok((input.module, machine, scene))
 }
 
-/// The machine that a placed program names; that of the thesis for one that
-/// is not placed yet.
+/// The machine that a placed program names; else that of the thesis.
 fn own_machine(module: &Module) -> Result<Machine, CommandFailure> {
     let schedules = module.functions.iter().filter_map(|f| f.schedule.as_ref());
     let mut names: Vec<&str> = schedules
@@ -364,7 +360,6 @@ impl CollectedFiles {
             .collect()
     }
 
-    /// Adds the project for Quartus.
     fn add_project(
         &mut self,
         hardware: &Hardware,
@@ -461,7 +456,6 @@ fn summary(
     text + &errors(view, hardware.machine.number, scene)
 }
 
-/// The length of a program's schedule.
 fn cycles(function: &Function) -> u32 {
     let schedule = function.schedule.as_ref();
     schedule.expect("hardware runs placed programs").cycles

@@ -96,7 +96,6 @@ struct RuleTable {
 /// Settings for every input.
 struct RuleBench<'a> {
     machine: &'a Machine,
-    /// Passes that use the rules.
     passes: &'a Pipeline,
     rules: &'a RuleSet,
     /// Names of the rules, equal ones together.
@@ -198,16 +197,14 @@ fn subset(rules: &RuleSet, names: &[String], keep: bool) -> RuleSet {
 
 /// Two programs of an input.
 struct RuleMeasurement {
-    /// With these rules alone and with all others; first of all, with no rules
-    /// and with all.
+    /// With these rules alone, and with all others; first with none and all.
     programs: [Rewritten; 2],
     /// Kept by an earlier run or another worker.
     found: bool,
 }
 
 impl RuleBench<'_> {
-    /// The measurements of a share on input `number`: of all rules together,
-    /// then of each kind.
+    /// A share's measurements on input `number`: of all rules, then by kind.
     fn measure(
         &self,
         number: usize,
@@ -394,7 +391,6 @@ fn to_text(tables: &[RuleTable], unused: &[String]) -> String {
     text
 }
 
-/// The figures of every rule.
 fn data_table(tables: &[RuleTable]) -> DataTable {
     let size = |size: ProgramSize| {
         [

@@ -25,8 +25,7 @@ pub(super) struct RuleCheckArguments {
     json: bool,
 }
 
-/// Runs the command: findings go to the standard output, mistakes also, with
-/// their places, to the standard error.
+/// Runs the command: findings on standard output, mistakes also on the error.
 pub(super) fn run(arguments: &RuleCheckArguments) -> Result<String, CommandFailure> {
     let set = read::read_or_shipped(&arguments.files)?;
     let findings: Vec<Finding> = set

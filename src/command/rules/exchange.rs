@@ -3,7 +3,8 @@
 use super::super::{CommandFailure, input, output};
 use super::read;
 use crate::command::emit;
-use clap::{Args, ValueEnum};
+use crate::command::flags::{FlagChoice, choice};
+use clap::Args;
 use robovec_io::files::limited;
 use robovec_ir::diagnostic::{Diagnostic, Severity};
 use robovec_rules::check::{RuleVerdict, check, diagnose};
@@ -13,23 +14,19 @@ use std::path::{Path, PathBuf};
 /// Trials in floating point to find the class of an imported rule.
 const TRIALS: usize = 20_000;
 
-/// A syntax of another tool.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-enum SyntaxName {
-    /// Programs of egglog: (rewrite left right)
-    Egglog,
-    /// Rule groups of Herbie: (define-rules group [name left right])
-    Herbie,
-}
-
-impl SyntaxName {
-    fn syntax(self) -> Syntax {
-        match self {
-            SyntaxName::Egglog => Syntax::Egglog,
-            SyntaxName::Herbie => Syntax::Herbie,
-        }
-    }
-}
+/// Syntaxes of other tools.
+const SYNTAXES: [FlagChoice<Syntax>; 2] = [
+    (
+        &["egglog"],
+        "Programs of egglog: (rewrite left right)",
+        Syntax::Egglog,
+    ),
+    (
+        &["herbie"],
+        "Rule groups of Herbie: (define-rules group [name left right])",
+        Syntax::Herbie,
+    ),
+];
 
 /// Arguments of `rules import`.
 #[derive(Args, Debug)]
@@ -37,8 +34,8 @@ pub(super) struct ImportArguments {
     /// File with rules of another tool, or - for the standard input
     file: PathBuf,
     /// Its syntax
-    #[arg(long, value_enum)]
-    syntax: SyntaxName,
+    #[arg(long, value_parser = choice(&SYNTAXES))]
+    syntax: Syntax,
     /// File to write instead of the standard output
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
@@ -50,8 +47,8 @@ pub(super) struct ExportArguments {
     /// Rule files, or names of files that ship; all that ship by default
     files: Vec<String>,
     /// The syntax to write
-    #[arg(long, value_enum)]
-    syntax: SyntaxName,
+    #[arg(long, value_parser = choice(&SYNTAXES))]
+    syntax: Syntax,
     /// File to write instead of the standard output
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
@@ -63,7 +60,7 @@ pub(super) struct ExportArguments {
 pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailure> {
     let text = input::text(&arguments.file, &limited::FOREIGN_RULES)?;
     let name = arguments.file.display().to_string();
-    let (mut set, mut report) = syntax::import(&text, &name, arguments.syntax.syntax())?;
+    let (mut set, mut report) = syntax::import(&text, &name, arguments.syntax)?;
     if set.rules.is_empty() {
         let message = format!("{name} gives no rule");
         let note = "egglog has (rewrite left right), Herbie (define-rules group [name left right])";
@@ -100,7 +97,7 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<String, CommandFailu
 /// Writes rules for another tool.
 pub(super) fn export(arguments: &ExportArguments) -> Result<String, CommandFailure> {
     let set = read::read_or_shipped(&arguments.files)?;
-    let text = syntax::export(&set, arguments.syntax.syntax());
+    let text = syntax::export(&set, arguments.syntax);
     deliver(text, arguments.output.as_deref())
 }
 

@@ -4,7 +4,7 @@ use super::super::flags::{NUMBER, whole};
 use super::super::subjects::check_number;
 use super::super::{CommandFailure, input, progress};
 use super::exchange::deliver;
-use super::{list, read};
+use super::read;
 use clap::Args;
 use robovec_framework::manager::{self, Config};
 use robovec_framework::pipeline::Pipeline;
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &FindArguments) -> Result<String, CommandFailure> {
     let mut names = if arguments.no_default_rules {
         Vec::new()
     } else {
-        list::shipped()
+        read::shipped()
     };
     names.extend(arguments.rules.iter().cloned());
     let (known, _) = read::read(&names)?.sound();
@@ -146,8 +146,7 @@ fn with_bar<T>(work: impl FnOnce(&mut dyn FnMut(usize, usize)) -> T) -> T {
     done
 }
 
-/// Keeps the printed rules, and writes them on request; returns the number of
-/// all.
+/// Keeps the printed rules, writes them on request; returns their number.
 fn keep_best(search: &mut RuleSearch, arguments: &FindArguments) -> Result<usize, CommandFailure> {
     let all = search.found.len();
     search.found.truncate(arguments.top);

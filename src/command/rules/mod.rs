@@ -4,7 +4,6 @@ mod bench;
 mod check;
 mod exchange;
 mod find;
-mod list;
 mod profile;
 mod read;
 mod why;
@@ -35,7 +34,7 @@ enum RulesCommand {
     /// Read rules of another tool, and print their classes
     Import(exchange::ImportArguments),
     /// List rules with their reasons
-    List(list::ListArguments),
+    List(read::ListArguments),
     /// Print the effect of rules on errors, cycles, operations and graphs
     Profile(profile::ProfileArguments),
     /// Print the rules that made a value
@@ -52,7 +51,7 @@ pub(super) fn run(arguments: &RulesArguments) -> Result<String, CommandFailure> 
         RulesCommand::Export(arguments) => exchange::export(arguments),
         RulesCommand::Find(arguments) => find::run(arguments),
         RulesCommand::Import(arguments) => exchange::import(arguments),
-        RulesCommand::List(arguments) => list::run(arguments),
+        RulesCommand::List(arguments) => read::run(arguments),
         RulesCommand::Profile(arguments) => profile::run(arguments),
         RulesCommand::Why(arguments) => why::run(arguments),
         RulesCommand::WhyNot(arguments) => why_not::run(arguments),

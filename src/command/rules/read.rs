@@ -1,11 +1,12 @@
-//! Rules that a command works with.
+//! Rules that a command works with, and `robovec rules list`.
 
 use super::super::{CommandFailure, input};
-use super::list;
 use crate::command::emit;
+use clap::Args;
 use robovec_io::files::limited;
 use robovec_ir::diagnostic::suggestion;
-use robovec_rules::{BUILT_IN, RuleSet};
+use robovec_rules::{BUILT_IN, DEFAULT, RuleSet};
+use std::fmt::Write;
 use std::path::Path;
 
 /// The rules of some files, or of names of files that ship.
@@ -24,7 +25,7 @@ pub(super) fn read(names: &[String]) -> Result<RuleSet, CommandFailure> {
 /// The rules of some files; of none, those that ship.
 pub(super) fn read_or_shipped(names: &[String]) -> Result<RuleSet, CommandFailure> {
     match names {
-        [] => read(&list::shipped()),
+        [] => read(&shipped()),
         names => read(names),
     }
 }
@@ -68,4 +69,37 @@ pub(crate) fn sound(names: &[String], with_default: bool) -> Result<RuleSet, Com
     emit(&warnings);
     all.extend(sound)?;
     Ok(all)
+}
+
+/// Arguments of `rules list`.
+#[derive(Args, Debug)]
+pub(super) struct ListArguments {
+    /// Rule files, or names of files that ship; all that ship by default
+    files: Vec<String>,
+}
+
+/// The names of all files that ship.
+pub(super) fn shipped() -> Vec<String> {
+    BUILT_IN
+        .iter()
+        .map(|(name, _)| (*name).to_owned())
+        .collect()
+}
+
+pub(super) fn run(arguments: &ListArguments) -> Result<String, CommandFailure> {
+    let set = read_or_shipped(&arguments.files)?;
+    let mut text = String::new();
+    let mut group = "";
+    for rule in &set.rules {
+        if rule.group != group {
+            group = &rule.group;
+            let ships = BUILT_IN.iter().any(|(name, _)| *name == group);
+            let unused = ships && !DEFAULT.contains(&group);
+            let note = if unused { " (not used by default)" } else { "" };
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{group}{note}:");
+        }
+        let _ = writeln!(text, "  {rule}");
+    }
+    Ok(text)
 }

@@ -103,8 +103,7 @@ impl Variables {
     }
 }
 
-/// The term of a value down to nodes for which `leaf` is true; `None` when it
-/// is larger than the limit of an explanation.
+/// The term of a value down to `leaf` nodes; `None` beyond the limit.
 fn term(
     tables: &Tables,
     function: &Function,

@@ -119,8 +119,7 @@ fn answer(rule: &Rule, found: &Derivation, is_proved: bool, effort: DerivationEf
     text
 }
 
-/// The missing rule, from the nearest term to the requested one, in the class
-/// proved for it.
+/// The missing rule, from the nearest term to the wanted one, with its class.
 fn closing(question: &Rule, nearest: &Pattern) -> String {
     let rule = Rule {
         left: nearest.clone(),

@@ -1,7 +1,7 @@
 //! `robovec sim fmu`: a model with its laws as an FMU.
 
 use super::{MovedModel, failure};
-use crate::command::{CommandFailure, output, telling};
+use crate::command::{CommandFailure, output, progress};
 use clap::Args;
 use robovec_dynamics::fmu::Fmu;
 use robovec_dynamics::generate::{Options, fewest};
@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &FmuArguments) -> Result<String, CommandFailure> {
     };
     if binary.is_none() {
         let _ = writeln!(
-            telling::remarks(),
+            progress::remarks(),
             "remark: '{}' does not run here, so the FMU has its C (sources) and no binary",
             arguments.compiler
         );
@@ -131,8 +131,7 @@ fn write(path: &Path, text: &str) -> Result<(), CommandFailure> {
     output::write_file(path, |writer| writer.write_all(text.as_bytes()))
 }
 
-/// The archive. Times of files are those of the format's start, so that the same
-/// model gives the same bytes.
+/// The archive, with fixed times: the same model gives the same bytes.
 fn archive(fmu: &Fmu, binary: Option<&((&str, &str), Vec<u8>)>) -> io::Result<Vec<u8>> {
     let mut writer = ZipWriter::new(io::Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);

@@ -3,7 +3,6 @@
 
 mod fmu;
 mod standing;
-mod warnings;
 
 use super::flags::{real, whole};
 use super::{CommandFailure, input, output, progress};
@@ -14,7 +13,7 @@ use robovec_dynamics::motion::{
     MultibodySystem, SimulationPlan, SimulationRun, plot, simulate,
 };
 use robovec_ir::Format;
-use robovec_ir::diagnostic::{Report, Severity, counted};
+use robovec_ir::diagnostic::{Diagnostic, Report, Severity, counted};
 use robovec_model::mbs::ReadModel;
 use robovec_model::{Model, Nature};
 use std::fmt::Write as _;
@@ -22,8 +21,7 @@ use std::io::{IsTerminal as _, Write as _};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Maximum number of joints of an open model whose accelerations are solved for
-/// with its mass matrix.
+/// Maximum joints of an open model that is solved with its mass matrix.
 const LONG: usize = 60;
 
 /// Steps of the progress bar.
@@ -33,7 +31,6 @@ const BAR_LENGTH: f64 = 1000.0;
 const LINK3D_ADVICE: &str = "help: make it a `link` with a law if it only pulls its ends \
                              together, or remove it from the model to run without it";
 
-/// Choice of the integrator.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Debug)]
 enum IntegratorChoice {
     /// Runge-Kutta of fourth order with a fixed step
@@ -89,7 +86,6 @@ struct MovedModel {
 }
 
 impl MovedModel {
-    /// Reads the model, joints held, and its laws.
     fn read(&self) -> Result<(Model, Laws), CommandFailure> {
         // Absent only where a subcommand has its own.
         let path = self.model.as_ref().expect("the command line requires it");
@@ -100,7 +96,7 @@ impl MovedModel {
             None => Laws::of_model(&read.model),
             Some(path) => input::laws(&read.model, path)?,
         };
-        super::emit(&warnings::of_laws(&read.model, &laws));
+        super::emit(&of_laws(&read.model, &laws));
         Ok((read.model, laws))
     }
 }
@@ -178,7 +174,6 @@ struct SimArguments {
     plot: Option<PathBuf>,
 }
 
-/// Runs the command: the text for the standard output.
 pub(super) fn run(command: &SimCommand) -> Result<String, CommandFailure> {
     match &command.standing {
         Some(StandingCommand::Equilibrium(arguments)) => standing::equilibrium(arguments),
@@ -241,8 +236,7 @@ fn motion(arguments: &SimArguments) -> Result<String, CommandFailure> {
     }
 }
 
-/// Refuses a model with links that are in no equation: its motion would be that
-/// of another model. Forces of robots that are left out are warnings.
+/// Refuses a model with links in no equation; omitted forces are warnings.
 fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
     if read.model.links3d.is_empty() {
         super::emit(&read.left_out);
@@ -267,9 +261,8 @@ fn refuse_left_out(read: &ReadModel) -> Result<(), CommandFailure> {
     )))
 }
 
-/// The formulation requested, or the one that suits the model: the work of
-/// solving for accelerations grows with the cube of the joints of a chain, that
-/// of articulated bodies with their number.
+/// The formulation requested, or the one that suits the model: solving for
+/// accelerations grows with the cube of joints, articulated bodies with them.
 fn formulation(arguments: &SimArguments, model: &Model) -> Formulation {
     match &arguments.formulation {
         Some(name) => super::generation::formulation(name),
@@ -421,7 +414,6 @@ fn speed(run: &SimulationRun, seconds: f64) -> String {
     )
 }
 
-/// One line per event.
 fn event_table(model: &Model, laws: &Laws, run: &SimulationRun) -> String {
     let mut text = String::from("time,quantity,name,value,direction\n");
     for record in &run.events {
@@ -477,4 +469,56 @@ fn field(name: &str) -> String {
     } else {
         name.to_owned()
     }
+}
+
+/// Maximum number of names of a kind in a warning.
+const SHOWN_NAMES: usize = 8;
+
+/// The first names of a kind, as words; `None` where there are none.
+fn listed(kind: &str, names: &[&str]) -> Option<String> {
+    let rest = names.len().saturating_sub(SHOWN_NAMES);
+    let shown = names[..names.len() - rest].join(", ");
+    match (names.is_empty(), rest) {
+        (true, _) => None,
+        (false, 0) => Some(format!("{kind} {shown}")),
+        (false, rest) => Some(format!("{kind} {shown} and {rest} more")),
+    }
+}
+
+/// Warnings of forces without a law, and of tyres that are no wheels.
+fn of_laws(model: &Model, laws: &Laws) -> Report {
+    let mut report = Report::new();
+    let mut warn = |message: String, note: &str| {
+        let warning = Diagnostic::warning().with_message(message);
+        report.push(warning.with_notes(vec![note.to_owned()]));
+    };
+    let links = model.links.iter().zip(&laws.links);
+    let links = links.filter(|(_, law)| !law.acts());
+    let links: Vec<&str> = links.map(|(link, _)| link.name.as_str()).collect();
+    let (mut zero, mut locked): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+    for (index, (force, law)) in model.forces.iter().zip(&laws.forces).enumerate() {
+        if !law.acts() {
+            zero.push(&force.name);
+        }
+        let tyre = law.tyre.as_ref();
+        if tyre.is_some_and(|tyre| !tyre.turns(model, index)) {
+            locked.push(&force.name);
+        }
+    }
+    let both = [listed("links", &links), listed("external forces", &zero)];
+    let both: Vec<String> = both.into_iter().flatten().collect();
+    if !both.is_empty() {
+        warn(
+            format!("zero, since no law acts on them: {}", both.join("; ")),
+            "help: give laws with --laws: [[link]], [[force]], [[contact]], [[tyre]]",
+        );
+    }
+    if let Some(list) = listed("tyres", &locked) {
+        warn(
+            format!("no joint turns their bodies about the axes of these wheels: {list}"),
+            "help: the external force of a tyre belongs to the body that spins; these wheels \
+             slide as if they were locked",
+        );
+    }
+    report
 }
