@@ -10,8 +10,8 @@ use robovec_ir::evaluate::evaluate;
 use robovec_ir::print::print_output;
 use robovec_ir::verify::verify;
 use robovec_ir::{
-    Array, Boundary, Function, Input, Module, Operand, OperandKind, Operation, Shape, SourceSet,
-    Tables, View,
+    Array, Boundary, Function, Input, Module, Operand, OperandKind, Operation, Output, Shape,
+    SourceSet, Tables, View,
 };
 use robovec_num::arithmetic::Binary64;
 use std::collections::BTreeMap;
@@ -52,15 +52,11 @@ fn sensors(bytes: &mut Unstructured<'_>) -> Result<Module> {
     let raw = generate::function(bytes, &mut module.tables, "sensor_1", Kind::Tame)?;
     let mut first = dressed(&raw, &mut module.tables, false);
     let fields = ["sens.P", "sens.R", "sens.V", "sens.OM", "sens.A", "sens.J"];
-    let mut renamed = Function::new(&first.name, first.level);
-    for array in first.inputs() {
-        renamed.add_input(array.name, array.shape);
-    }
-    for (array, field) in first.outputs().iter().zip(fields) {
-        let name = module.tables.symbols.intern(field);
-        renamed.add_output(name, array.shape);
-    }
-    first = with_body(renamed, &first);
+    let outputs = first.outputs().iter().zip(fields);
+    let outputs = outputs.map(|(array, field)| (module.tables.symbols.intern(field), array.shape));
+    let inputs = first.inputs().iter().map(Array::declaration);
+    let renamed = Function::new(&first.name, first.level).with_arrays(inputs, outputs);
+    first = first.moved_into(renamed, |input| input, Some);
     if first.assignments.is_empty() {
         return Ok(module);
     }
@@ -85,18 +81,6 @@ fn sensors(bytes: &mut Unstructured<'_>) -> Result<Module> {
     Ok(module)
 }
 
-/// A signature with the body of another function of equal arrays.
-fn with_body(mut signature: Function, body: &Function) -> Function {
-    for &number in body.constants() {
-        signature.constant(number);
-    }
-    for &node in body.nodes() {
-        signature.push(node);
-    }
-    signature.assignments = body.assignments.clone();
-    signature
-}
-
 /// The function with arrays that Robotran's files can have: no scalars but the
 /// time, no empty arrays, one shape for arrays that are both input and output;
 /// perhaps with a call.
@@ -106,25 +90,9 @@ fn dressed(raw: &Function, tables: &mut Tables, calls: bool) -> Function {
         let boundary = external_force(&function, tables);
         function.boundaries.push(boundary);
     }
-    let mut moved = |operand: Operand| match operand.kind() {
-        OperandKind::Input(input) => Input(input_places[input.index()]).into(),
-        OperandKind::Constant(constant) => function.constant(raw.constant_number(constant)).into(),
-        OperandKind::Value(_) | OperandKind::None => operand,
-    };
-    let mut nodes = raw.nodes().to_vec();
-    for node in &mut nodes {
-        node.operands = node.operands.map(&mut moved);
-    }
-    let mut assignments = raw.assignments.clone();
-    for assignment in &mut assignments {
-        assignment.operand = moved(assignment.operand);
-        assignment.output.0 = output_places[assignment.output.index()];
-    }
-    for node in nodes {
-        function.push(node);
-    }
-    function.assignments = assignments;
-    function
+    let input = |input: Input| Input(input_places[input.index()]);
+    let output = |output: Output| Some(Output(output_places[output.index()]));
+    raw.moved_into(function, input, output)
 }
 
 /// A function with the arrays of another, as [`dressed`] needs them, and the
@@ -165,8 +133,12 @@ fn declared(raw: &Function, tables: &mut Tables, calls: bool) -> (Function, Vec<
             (Some(given), own) if given.len() >= own.len() => given,
             (Some(_), own) => {
                 // The larger one holds the elements of both.
-                let rebuilt = regrown(&function, name, own);
-                function = rebuilt;
+                let inputs = function.inputs().iter().map(|array| match array.name {
+                    same if same == name => (name, own),
+                    _ => array.declaration(),
+                });
+                let outputs = function.outputs().iter().map(Array::declaration);
+                function = Function::new(&raw.name, raw.level).with_arrays(inputs, outputs);
                 own
             }
             (None, own) => own,
@@ -195,23 +167,6 @@ fn external_force(function: &Function, tables: &Tables) -> Boundary {
         result,
         sources: SourceSet::EMPTY,
     }
-}
-
-/// The function, without a body, with another shape for an input.
-fn regrown(function: &Function, name: robovec_ir::Symbol, shape: Shape) -> Function {
-    let mut new = Function::new(&function.name, function.level);
-    for array in function.inputs() {
-        let shape = if array.name == name {
-            shape
-        } else {
-            array.shape
-        };
-        new.add_input(array.name, shape);
-    }
-    for array in function.outputs() {
-        new.add_output(array.name, array.shape);
-    }
-    new
 }
 
 fn map(places: &mut [u32], old: &Array, new: Array) {
