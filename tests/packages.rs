@@ -171,7 +171,8 @@ fn examples_in_comments_run_as_tests() {
                 .filter_map(|line| line.trim_start_matches(['/', '!']).strip_prefix(" ```"));
             // Fences open and close in turn.
             for opened in fences.step_by(2) {
-                assert_eq!(opened, "text", "{}: no test runs it", path.display());
+                let is_text = ["text", "toml"].contains(&opened);
+                assert!(is_text, "{}: no test runs {opened}", path.display());
             }
         }
     }
