@@ -5,8 +5,7 @@
 //! with the loops only as well as they were integrated. Everything is computed
 //! in the format: the generated equations, the elimination, the steps.
 
-use super::case::Memo;
-use super::case::{Measured, StressBench, StressSubject};
+use super::case::{Measured, Memo, StressBench, StressSubject};
 use super::dynamics::{shared_model, shared_state, worst};
 use super::linear::eliminate;
 use super::numbers::{Evaluation, Wide, Work, WorkingPrecision};

@@ -11,8 +11,7 @@ mod solution;
 
 pub(super) use errors::{componentwise, normwise, sensitivity, worst};
 
-use super::case::Memo;
-use super::case::{Measured, StressBench, StressSubject};
+use super::case::{Measured, Memo, StressBench, StressSubject};
 use super::linear::solve;
 use super::numbers::{WorkingPrecision, rounded};
 use super::program::{ModelProgram, ProgramRecipe, shared};

@@ -1,7 +1,6 @@
 //! Equations as text with given inputs.
 
-use super::case::Memo;
-use super::case::{Measured, StressBench, StressSubject};
+use super::case::{Measured, Memo, StressBench, StressSubject};
 use super::dynamics::{componentwise, normwise, sensitivity, worst};
 use super::forms::{TextForm, TextForms};
 use super::numbers::{Evaluation, WorkingPrecision};

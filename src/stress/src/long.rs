@@ -1,7 +1,6 @@
 //! Long simulations in one arithmetic.
 
-use super::case::Memo;
-use super::case::{Measured, StressBench, StressSubject};
+use super::case::{Measured, Memo, StressBench, StressSubject};
 use super::dynamics::{shared_model, shared_state};
 use super::numbers::{Wide, Work, WorkingPrecision};
 use super::{ProgramTreatment, StressError};

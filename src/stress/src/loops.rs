@@ -1,7 +1,6 @@
 //! Accelerations of closed loops.
 
-use super::case::Memo;
-use super::case::{Measured, StressBench, StressSubject};
+use super::case::{Measured, Memo, StressBench, StressSubject};
 use super::dynamics::{normwise, sensitivity, shared_model, shared_state, worst};
 use super::linear::eigenvalues;
 use super::numbers::WorkingPrecision;

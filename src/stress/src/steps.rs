@@ -3,8 +3,7 @@
 //! The reference takes the same steps in double-double numbers, so that only
 //! rounding errors remain, without the error of the method.
 
-use super::case::Memo;
-use super::case::{Measured, StressBench, StressSubject};
+use super::case::{Measured, Memo, StressBench, StressSubject};
 use super::dynamics::{sensitivity, worst};
 use super::forms::{TextForm, TextForms};
 use super::numbers::{Wide, Work, WorkingPrecision};

@@ -18,8 +18,7 @@ pub use events::events;
 pub use statements::place_lines;
 
 use crate::report::{ModuleReport, PassReport, PassRunRecord, ReadCounts, ReportOptions};
-use data::TextTable;
-use data::{FileData, FunctionData, JointData, ViewData};
+use data::{FileData, FunctionData, JointData, TextTable, ViewData};
 use robovec_framework::trail::{self, Trail};
 use robovec_ir::states::States;
 use robovec_ir::{Function, Machine, Module, View};
@@ -121,7 +120,7 @@ impl ViewData {
             // The page has a table of its own for what passes did.
             report.passes.clear();
             let single = ModuleReport {
-                robovec: report_version(),
+                robovec: env!("CARGO_PKG_VERSION").to_owned(),
                 functions: vec![report],
             };
             let tables = (&mut texts, &mut sources);
@@ -146,7 +145,7 @@ impl ViewData {
             });
         }
         ViewData {
-            robovec: report_version(),
+            robovec: env!("CARGO_PKG_VERSION").to_owned(),
             title: or_nothing(run.files.first(), |(name, _)| name.clone()),
             pipeline: run.pipeline.to_owned(),
             files,
@@ -165,10 +164,6 @@ fn summaries() -> BTreeMap<String, String> {
     passes
         .map(|info| (info.name.to_owned(), info.summary().to_owned()))
         .collect()
-}
-
-fn report_version() -> String {
-    env!("CARGO_PKG_VERSION").to_owned()
 }
 
 fn function_data(

@@ -25,8 +25,7 @@ use super::bias::{Bias, BiasMotion, tilde};
 use super::composite::{MassAndBias, carry};
 use super::equations::{Equations, QuantityLabel};
 use super::hub::{MomentOrigin, Pose, Twist, hubs, turned};
-use super::inertia::{SumInertia, Wrench};
-use super::inertia::{euler, turned_moments};
+use super::inertia::{SumInertia, Wrench, euler, turned_moments};
 use super::network::{PathBlock, PrefixNetwork, paths, subtrees};
 use super::parameters::ModelParameters;
 use super::vector::{

@@ -1,4 +1,4 @@
-//! Robotran's recursive Newton-Euler family: `M` and `c`, or `Qq`, by bodies.
+//! Robotran's recursive Newton-Euler: `M` and `c`, or `Qq`, in body frames.
 //!
 //! Forward from the base: angular velocity `OM`, angular acceleration without
 //! joint accelerations `OA`, `BE = ~OA + ~OM ~OM`, acceleration of the frame

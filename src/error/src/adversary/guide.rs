@@ -42,7 +42,7 @@ impl<'a> RoundingGuide<'a> {
     /// Prepares the program of a yardstick.
     pub fn new(quick: &'a QuickYardstick<'a>) -> RoundingGuide<'a> {
         RoundingGuide {
-            tape: Tape::new(quick.program().function),
+            tape: Tape::new(quick.program.function),
             quick,
             workspace: Workspace::default(),
         }
@@ -129,8 +129,8 @@ impl<'a> RoundingGuide<'a> {
     }
 
     fn effects(&mut self, outputs: &[usize], state: &[f64]) -> RoundingEffects {
-        let (tape, format) = (&self.tape, self.quick.format());
-        let places = self.quick.inputs();
+        let (tape, format) = (&self.tape, self.quick.format);
+        let places = &self.quick.inputs;
         let own: Vec<f64> = places.iter().map(|&place| state[place]).collect();
         let values = tape.evaluate(&Binary64, &own);
         let inputs = tape.nodes()..tape.nodes() + tape.inputs();

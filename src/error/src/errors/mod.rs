@@ -14,8 +14,7 @@ mod view;
 
 pub use heat::{Heat, HotEquation, HotInput, MAX_EQUATIONS, blame};
 pub use proof::ProofRow;
-pub use table::explain;
-pub use table::{ErrorMethod, ErrorSettings, ErrorTable, IntervalRow, OutputRow};
+pub use table::{ErrorMethod, ErrorSettings, ErrorTable, IntervalRow, OutputRow, explain};
 pub use view::{csv, json, text};
 pub use view::{heat_text, heat_title};
 

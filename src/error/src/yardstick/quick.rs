@@ -25,13 +25,14 @@ const NARROW_BITS: u32 = 30;
 pub struct QuickYardstick<'a> {
     reference: EvaluationPlan,
     is_narrow: bool,
-    program: View<'a>,
-    format: Format,
+    pub(crate) program: View<'a>,
+    pub(crate) format: Format,
     /// `None` for a program that fixes how its values are computed.
     plan: Option<EvaluationPlan>,
     /// The unit for sines and cosines that the program names, with its plan.
     unit: Option<(TrigonometricUnit, EvaluationPlan)>,
-    inputs: Vec<usize>,
+    /// For every input of the program its place in a state.
+    pub(crate) inputs: Vec<usize>,
     rows: Vec<ExactPlace>,
     /// `None` where errors are absolute.
     allowed: Option<Allowed>,
@@ -120,19 +121,6 @@ impl<'a> QuickYardstick<'a> {
         }
     }
 
-    pub(crate) fn program(&self) -> View<'a> {
-        self.program
-    }
-
-    pub(crate) fn format(&self) -> Format {
-        self.format
-    }
-
-    /// For every input of the program its place in a state.
-    pub(crate) fn inputs(&self) -> &[usize] {
-        &self.inputs
-    }
-
     /// True when inputs are numbers of the format.
     pub(crate) fn is_held(&self) -> bool {
         matches!(self.own, Some((GivenData::Held, _)))
@@ -191,7 +179,7 @@ impl<'a> QuickYardstick<'a> {
         if self.is_narrow {
             let lanes = Batch([Binary64; LANES]);
             let single = FormatArithmetic::new(self.format);
-            let held = matches!(self.own, Some((GivenData::Held, _)));
+            let held = self.is_held();
             let given = |number| if held { single.convert(number) } else { number };
             let inputs = gathered(states, given);
             let literals = literals.map(|literal| [literal.high; LANES]);

@@ -50,8 +50,7 @@ pub mod text;
 mod units;
 mod variants;
 
-pub use bound::FitBound;
-pub use bound::FitSources;
+pub use bound::{FitBound, FitSources};
 pub use challenge::Challenge;
 pub use mixture::ValueMixture;
 pub use motion::{EnergyDrift, MotionShare, MotionTolerance};

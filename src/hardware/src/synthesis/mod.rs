@@ -19,6 +19,4 @@ pub mod place;
 pub mod timing;
 pub mod tool;
 
-pub use tool::SynthesisDesign;
-pub use tool::SynthesisError;
-pub use tool::Yosys;
+pub use tool::{SynthesisDesign, SynthesisError, Yosys};

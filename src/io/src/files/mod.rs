@@ -21,5 +21,6 @@ mod temporary;
 mod write;
 
 pub use temporary::TemporaryFolder;
-pub use write::{FileWriteError, make_folder, refuse_foreign, remove, write_whole};
-pub use write::{Replace, set_force};
+pub use write::{
+    FileWriteError, Replace, make_folder, refuse_foreign, remove, set_force, write_whole,
+};

@@ -5,8 +5,7 @@
 //! any file is overwritten and written last, so that a folder with it was once
 //! complete, and its hashes show whether it still is.
 
-use super::write::Replace;
-use super::write::{FileWriteError, make_folder, refuse_foreign, write_whole};
+use super::write::{FileWriteError, Replace, make_folder, refuse_foreign, write_whole};
 use robovec_fpga::manifest::FileHash;
 use robovec_fpga::rtl::DESCRIPTION;
 use robovec_num::fnv::Fnv;

@@ -1,7 +1,6 @@
 //! Joints.
 
-use super::fields::numbers;
-use super::fields::{ElementFields, Messages, place, second};
+use super::fields::{ElementFields, Messages, numbers, place, second};
 use super::scope::body_title;
 use crate::{Joint, JointKind, JointMounting, Model, Nature};
 use robovec_ir::diagnostic::{clip, did_you_mean};

@@ -1,7 +1,6 @@
 //! Points, and the sensors and external forces on them.
 
-use super::fields::coordinates;
-use super::fields::{ElementFields, Messages, place};
+use super::fields::{ElementFields, Messages, coordinates, place};
 use super::scope::ModelScope;
 use crate::{Asks, Model, ModelPoint, Sensor};
 use robovec_ir::diagnostic::{clip, did_you_mean};

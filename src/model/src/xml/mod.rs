@@ -5,8 +5,7 @@ mod document;
 mod messages;
 
 pub(crate) use document::{DocumentKind, decode, parse};
-pub(crate) use messages::{Messages, content, diagnostic, place, second};
-pub(crate) use messages::{NUMBER, parse_number};
+pub(crate) use messages::{Messages, NUMBER, content, diagnostic, parse_number, place, second};
 
 /// True for a valid name of a model: it becomes part of file names.
 pub(crate) fn is_usable(name: &str) -> bool {

@@ -36,8 +36,7 @@ mod text;
 pub use error::RobotranWriteError;
 
 use super::Language;
-use file::EquationKind;
-use file::RobotranFile;
+use file::{EquationKind, RobotranFile};
 use hashbrown::HashMap;
 use robovec_ir::{Function, Module};
 use rustc_hash::FxBuildHasher;

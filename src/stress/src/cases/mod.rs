@@ -4,8 +4,7 @@ mod equations;
 mod loops;
 mod models;
 
-use super::case::StressVerdict;
-use super::case::{CaseClass, StressCase, StressSubject};
+use super::case::{CaseClass, StressCase, StressSubject, StressVerdict};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

@@ -1,8 +1,7 @@
 //! Errors of dynamics in a state, and the part that no computation could avoid.
 
 use super::super::linear::{condition, estimated_condition, solve};
-use super::super::numbers::Draw;
-use super::super::numbers::{WorkingPrecision, rounded};
+use super::super::numbers::{Draw, WorkingPrecision, rounded};
 use super::super::program::{ModelProgram, ProgramRecipe};
 use super::super::units::Units;
 use super::super::{ProgramTreatment, StressError};

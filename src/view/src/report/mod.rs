@@ -11,9 +11,8 @@ mod schedule;
 mod text;
 
 pub use error::{ArrayReport, ElementReport, ErrorReport, FormatReport, MatrixReport};
-pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport};
+pub use records::{BoundaryReport, CheckErrors, CheckReport, PassReport, RoundingReport};
 
-pub use records::RoundingReport;
 use robovec_analysis::critical_path::critical_path;
 use robovec_analysis::rounding::RoundingErrors;
 use robovec_error::errors::Heat;

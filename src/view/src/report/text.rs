@@ -3,8 +3,7 @@
 mod chart;
 
 use super::error::{ArrayReport, ElementReport, FormatReport, MatrixReport};
-use super::records::RoundingReport;
-use super::records::{CheckErrors, CheckReport, PassReport};
+use super::records::{CheckErrors, CheckReport, PassReport, RoundingReport};
 use super::schedule::{ByKind, ScheduleReport, TransferReport};
 use super::{FunctionReport, ModuleReport};
 use robovec_analysis::rounding::Quantiles;
@@ -16,6 +15,10 @@ use robovec_present::{indented, text_table};
 
 /// The columns of rows of a label, a number and a remark: without heads.
 const LABELLED: &str = " | >";
+
+fn labelled(label: &str, number: impl ToString, remark: &str) -> Vec<String> {
+    vec![label.to_owned(), number.to_string(), remark.to_owned()]
+}
 
 /// Number of elements of an array named as its worst.
 const NAMED_ELEMENTS: usize = 3;
@@ -85,42 +88,23 @@ fn counts(function: &FunctionReport, text: &mut String) {
         .map(|(n, what)| format!("{n} {what}"))
         .collect();
     let detail = format!("{}{detail}", parts.join(", "));
+    let vectors = counted(function.counts.vectors, "vector");
+    let vectors = format!("in {vectors} of independent ones");
+    let on_host = "on the host, not counted as operations";
     let mut rows = vec![
-        vec![
-            "equations".to_owned(),
-            function.counts.equations.to_string(),
-            format!(
-                "in {} of independent ones",
-                counted(function.counts.vectors, "vector")
-            ),
-        ],
-        vec![
-            "operations".to_owned(),
-            function.counts.operations.to_string(),
-            detail,
-        ],
-        vec![
-            "sin, cos".to_owned(),
-            function.counts.sin_cos.to_string(),
-            "on the host, not counted as operations".to_owned(),
-        ],
-        vec![
-            "ASAP".to_owned(),
-            function.asap.to_string(),
-            "operations in the longest chain".to_owned(),
-        ],
-        vec![
-            "ASAPCycle".to_owned(),
-            function.asap_cycle.to_string(),
-            "cycles of the longest chain".to_owned(),
-        ],
+        labelled("equations", function.counts.equations, &vectors),
+        labelled("operations", function.counts.operations, &detail),
+        labelled("sin, cos", function.counts.sin_cos, on_host),
+        labelled("ASAP", function.asap, "operations in the longest chain"),
+        labelled(
+            "ASAPCycle",
+            function.asap_cycle,
+            "cycles of the longest chain",
+        ),
     ];
     if let Some(number) = function.number_y {
-        rows.push(vec![
-            "number Y".to_owned(),
-            format!("{number:.2}"),
-            "operations per cycle of the longest chain".to_owned(),
-        ]);
+        let remark = "operations per cycle of the longest chain";
+        rows.push(labelled("number Y", format!("{number:.2}"), remark));
     }
     section("Size", &text_table(LABELLED, &rows), text);
 }
@@ -253,7 +237,6 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
             format!("at most {percent:.2} % above the shortest, which takes {bound} or more")
         }
     };
-    let row = |name: &str, value: String, note: &str| vec![name.to_owned(), value, note.to_owned()];
     let kinds: Vec<String> = schedule
         .elements
         .iter()
@@ -265,22 +248,16 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
         None => kinds,
     };
     let mut rows = vec![
-        row("machine", schedule.machine.clone(), &identity),
-        row("cycles", schedule.cycles.to_string(), &excess),
+        labelled("machine", &schedule.machine, &identity),
+        labelled("cycles", schedule.cycles, &excess),
     ];
     if let (Some(time), Some(clock)) = (schedule.time_us, &schedule.clock) {
-        rows.push(row(
-            "time",
-            format!("{time:.3}"),
-            &format!("microseconds at {}", clock.text()),
-        ));
+        let remark = format!("microseconds at {}", clock.text());
+        rows.push(labelled("time", format!("{time:.3}"), &remark));
     }
     let rate = format!("{:.1} %", schedule.parallelisation_rate * 100.0);
-    rows.push(row(
-        "rate",
-        rate,
-        "of all issue slots is used (parallelisation rate)",
-    ));
+    let remark = "of all issue slots is used (parallelisation rate)";
+    rows.push(labelled("rate", rate, remark));
     section("Schedule", &text_table(LABELLED, &rows), text);
     section(
         "Occupation: share of issue slots used, over the run",
@@ -304,26 +281,17 @@ fn print_schedule(schedule: &ScheduleReport, text: &mut String) {
 }
 
 fn print_transfers(transfers: &TransferReport, text: &mut String) {
-    let row = |name: &str, value: u32, note: &str| {
-        vec![name.to_owned(), value.to_string(), note.to_owned()]
-    };
+    let direct = "writes in the cycle in which the result appears";
+    let buffered = "results that pass through a buffer";
     let rows = [
-        row(
+        labelled(
             "preloads",
             transfers.preloads,
             "words filled before the run",
         ),
-        row(
-            "direct",
-            transfers.direct,
-            "writes in the cycle in which the result appears",
-        ),
-        row("indirect", transfers.indirect, "writes through a buffer"),
-        row(
-            "buffered",
-            transfers.buffered,
-            "results that pass through a buffer",
-        ),
+        labelled("direct", transfers.direct, direct),
+        labelled("indirect", transfers.indirect, "writes through a buffer"),
+        labelled("buffered", transfers.buffered, buffered),
     ];
     section("Transfers", &text_table(LABELLED, &rows), text);
 }
