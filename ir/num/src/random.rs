@@ -60,16 +60,21 @@ impl Random {
         2.0 * self.unit() - 1.0
     }
 
-    /// A number of either sign whose binary exponent is uniform in a range:
-    /// log-uniform by octaves, made of bits so that no library function
-    /// decides its last place.
+    /// A number of either sign whose binary exponent is uniform in a range,
+    /// both ends included, within -1022 to 1023: log-uniform by octaves, made
+    /// of bits so that no library function decides its last place.
     pub fn log_uniform(&mut self, lowest: i32, highest: i32) -> f64 {
         assert!(lowest <= highest, "exponents are in order");
+        assert!(
+            -1022 <= lowest && highest <= 1023,
+            "a normal number has the exponent"
+        );
         let octaves = (highest - lowest + 1) as u64;
         let exponent = lowest + (self.bits() % octaves) as i32;
         let random = self.bits();
-        let biased = (exponent + 1023).clamp(1, 2046) as u64;
-        f64::from_bits(random & (1 << 63) | biased << 52 | random >> 12)
+        let biased = (exponent + 1023) as u64;
+        // The sign is no bit of the mantissa.
+        f64::from_bits(random & (1 << 63) | biased << 52 | random & ((1 << 52) - 1))
     }
 }
 
@@ -91,5 +96,18 @@ mod tests {
         assert_eq!(first, known);
         let mut random = Random::new(0);
         assert!((0..9).all(|place| bits_at(place) == random.bits()));
+    }
+
+    #[test]
+    fn both_signs_fill_their_octaves() {
+        let mut random = Random::new(1);
+        let mut quarters = [0; 4];
+        for _ in 0..4000 {
+            let number = random.log_uniform(3, 3);
+            assert!((8.0..16.0).contains(&number.abs()), "{number}");
+            let upper = usize::from(number.abs() >= 12.0);
+            quarters[2 * usize::from(number < 0.0) + upper] += 1;
+        }
+        assert!(quarters.iter().all(|&count| count > 900), "{quarters:?}");
     }
 }

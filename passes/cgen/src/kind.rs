@@ -1,8 +1,9 @@
-//! The files that Robotran writes: the name and arguments of each function.
+//! Kinds of files of equations, Robotran's and ours: the name and arguments of
+//! each function.
 //!
-//! Signatures are those of the current generator (MBsysTran 8.1), whose C
-//! MBsysC compiles. They are data here, so that all writers of replacements for
-//! Robotran's files agree on them.
+//! Robotran's signatures are those of the current generator (MBsysTran 8.1),
+//! whose C MBsysC compiles; [`Generation`] has what differs before it. They are
+//! data here, so that all writers of replacements agree on them.
 
 use robovec_framework::differentiation;
 use robovec_ir::Function;
@@ -275,8 +276,8 @@ impl ProjectStructure {
     }
 }
 
-/// A model's name as part of a file name: letters, digits, `-` and `_`; `model`
-/// when it has none of these.
+/// A model's name as part of a file name: letters, digits and `-`, `_` in place
+/// of other characters; `model` for an empty name.
 pub fn file_stem(model: &str) -> String {
     let word = |c: char| {
         if c.is_ascii_alphanumeric() || c == '-' {

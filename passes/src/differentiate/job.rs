@@ -106,7 +106,6 @@ impl<'a> DerivativeJob<'a> {
             DerivativeMode::Reverse => vec![EliminationOrder::Reverse; parts.len()],
             DerivativeMode::Mixed => self.cheapest(&graph, &writer, &parts, context)?,
         };
-        let sources: Vec<SourceSet> = self.old.assignments.iter().map(|set| set.sources).collect();
         let (old, names, tables) = (self.old, &self.row_names, &mut *context.tables);
         let mut origin = |own: Vertex, next: Vertex| {
             let of = |vertex: Vertex| match vertex {
@@ -114,7 +113,9 @@ impl<'a> DerivativeJob<'a> {
                     let node = old.node(value);
                     Some((node.name.base, node.sources))
                 }
-                Vertex::Row(row) => Some((names[row as usize], sources[row as usize])),
+                Vertex::Row(row) => {
+                    Some((names[row as usize], old.assignments[row as usize].sources))
+                }
                 Vertex::Source | Vertex::Column(_) | Vertex::Sink => None,
             };
             let known: Vec<(Symbol, SourceSet)> = [next, own].into_iter().filter_map(of).collect();

@@ -20,7 +20,7 @@ impl Compiler {
     /// Its message, or the reason why it does not run.
     pub fn find(command: &str) -> Result<Compiler, String> {
         let run = ProgramCall::version(command, "--version").run();
-        let text = told(command, &run.map_err(|error| error.to_string())?)?;
+        let text = output_or_reason(command, &run.map_err(|error| error.to_string())?)?;
         Ok(Compiler {
             command: command.to_owned(),
             version: text.lines().next().unwrap_or(command).to_owned(),
@@ -67,7 +67,7 @@ impl BuildStep {
 
     /// Runs it; its processor time in s.
     pub(super) fn run(&self, place: &Path) -> Result<f64, String> {
-        // The shell's `times` tells the processor time of its children.
+        // The shell's `times` prints the processor time of its children.
         let mut arguments = vec![
             "-c".to_owned(),
             "\"$@\" 2>&1 || exit 1; times".to_owned(),
@@ -77,10 +77,16 @@ impl BuildStep {
         arguments.extend(self.arguments.iter().cloned());
         let call = ProgramCall::new("sh").called(&self.command).folder(place);
         let run = call.arguments(arguments).run();
-        let text = told("sh", &run.map_err(|error| error.to_string())?)?;
+        let run = run.map_err(|error| error.to_string())?;
+        let text = output_or_reason(&self.command, &run)?;
         let last = text.lines().next_back().into_iter();
-        let words = last.flat_map(str::split_whitespace);
-        Ok(words.filter_map(seconds).sum())
+        let times: Vec<f64> = (last.flat_map(str::split_whitespace))
+            .filter_map(seconds)
+            .collect();
+        let [user, system] = times[..] else {
+            return Err(format!("'{}': the shell gives no times", self.command));
+        };
+        Ok(user + system)
     }
 }
 
@@ -94,20 +100,21 @@ fn seconds(text: &str) -> Option<f64> {
 /// Output of a program, or the reason or message of its failure.
 pub(super) fn output(place: &Path, command: &str, arguments: &[String]) -> Result<String, String> {
     let call = ProgramCall::new(command).folder(place).arguments(arguments);
-    told(command, &call.run().map_err(|error| error.to_string())?)
+    output_or_reason(command, &call.run().map_err(|error| error.to_string())?)
 }
 
-/// Output of a program that succeeded; else the line with the reason.
-fn told(command: &str, run: &FinishedProcess) -> Result<String, String> {
+/// Output of a program that succeeded; else the line with the reason: the first
+/// error, or the first that is no warning.
+fn output_or_reason(command: &str, run: &FinishedProcess) -> Result<String, String> {
     let text = run.text();
     if run.status.success() {
         return Ok(text);
     }
     let messages = run.messages();
-    let line = messages.lines().chain(text.lines()).find(|line| {
-        let line = line.to_ascii_lowercase();
-        line.contains("error") || line.contains("fatal") || !line.contains("warning")
-    });
+    let lines = || messages.lines().chain(text.lines());
+    let has = |line: &str, word: &str| line.to_ascii_lowercase().contains(word);
+    let error = lines().find(|line| has(line, "error") || has(line, "fatal"));
+    let line = error.or_else(|| lines().find(|line| !has(line, "warning")));
     Err(format!("'{command}': {}", line.unwrap_or("it failed")))
 }
 
@@ -130,9 +137,10 @@ mod tests {
     }
 
     #[test]
-    fn a_failing_step_tells_what_it_said() {
-        let step = BuildStep::new("sh", "-c").with("echo 'error: no such thing' >&2; exit 3");
+    fn the_reason_of_a_failing_step_is_its_first_error() {
+        let script = "echo 'f.c: In function f:'; echo 'error: no such thing' >&2; exit 3";
+        let step = BuildStep::new("sh", "-c").with(script);
         let message = step.run(Path::new(".")).expect_err("it exits with 3");
-        assert!(message.contains("error: no such thing"), "{message}");
+        assert_eq!(message, "'sh': error: no such thing");
     }
 }

@@ -1,7 +1,6 @@
 //! Reasons why a statement could not be read, in words.
 
-use super::token::LexicalError;
-use super::token::{RobotranToken, SourceSpan};
+use super::token::{LexicalError, RobotranToken, SourceSpan};
 use super::tokens::SpannedToken;
 use lalrpop_util::ParseError;
 use robovec_ir::diagnostic::{Diagnostic, Label};
@@ -17,8 +16,9 @@ pub(super) fn explain(
         ParseError::InvalidToken { location } | ParseError::UnrecognizedEof { location, .. } => {
             cut(location, previous)
         }
-        ParseError::ExtraToken { token } => misfit(token, previous, text),
-        ParseError::UnrecognizedToken { token, .. } => misfit(token, previous, text),
+        ParseError::ExtraToken { token } | ParseError::UnrecognizedToken { token, .. } => {
+            misfit(token, previous, text)
+        }
     }
 }
 
@@ -46,8 +46,8 @@ fn misfit(
 ) -> Diagnostic {
     let span = SourceSpan { start, end };
     let found = text.get(span.range()).unwrap_or_default();
-    let after = previous.map(|(_, token, _)| token);
-    let (message, label, note): (String, &str, &str) = match (after, token) {
+    let before = previous.map(|(_, token, _)| token);
+    let (message, label, note): (String, &str, &str) = match (before, token) {
         (Some(RobotranToken::Equals), RobotranToken::End) => (
             "an equation without a right side".to_owned(),
             "an expression is missing before this",

@@ -14,14 +14,14 @@ use super::rounding::Rounding;
 /// Products and quotients at least this large have an exact error term:
 /// its last bit is 2 * 53 places further down.
 const LEAST: f64 = f64::from_bits((1023 - 850) << 52);
-/// No intermediate result of operands up to here overflows.
-const MAX_OPERAND: f64 = f64::from_bits((1023 + 1000) << 52);
+/// Results up to here leave room for the intermediate results of their errors.
+const MOST: f64 = f64::from_bits((1023 + 1000) << 52);
 
 /// True where error terms are exact.
 #[inline]
 pub(super) fn is_tame(number: f64) -> bool {
     let size = number.abs();
-    (LEAST..=MAX_OPERAND).contains(&size)
+    (LEAST..=MOST).contains(&size)
 }
 
 /// The neighbour with an odd last bit, from the nearest binary64 number of a
@@ -55,7 +55,7 @@ pub(super) fn sum([a, b]: [f64; 2], rounding: &Rounding) -> f64 {
     let (nearest, error) = two_sum(a, b);
     // Sums do not underflow, and far below the largest number nothing
     // overflows on the way; a sum that is no number fails the comparison.
-    if rounding.is_narrow() && nearest.abs() <= MAX_OPERAND {
+    if rounding.is_narrow() && nearest.abs() <= MOST {
         return rounding.round_result(odd(nearest, error));
     }
     match exact::sum(a, b) {
@@ -129,7 +129,7 @@ pub(super) fn root([a]: [f64; 1], rounding: &Rounding) -> f64 {
 #[inline]
 pub(super) fn fused([a, b, c]: [f64; 3], rounding: &Rounding) -> f64 {
     let product = a * b;
-    if rounding.is_narrow() && is_tame(product) && c.abs() <= MAX_OPERAND {
+    if rounding.is_narrow() && is_tame(product) && c.abs() <= MOST {
         let rest = a.mul_add(b, -product);
         let (low, lowest) = two_sum(c, rest);
         let (high, middle) = two_sum(product, low);

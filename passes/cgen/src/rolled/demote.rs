@@ -15,7 +15,7 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
-    /// Decides, and appends the copies.
+    /// Chooses the outputs of statements, and appends copies of the others.
     pub(super) fn new(
         function: &Function,
         statements: &mut Statements,

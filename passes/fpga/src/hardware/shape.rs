@@ -50,8 +50,8 @@ pub struct MachineShape {
 impl MachineShape {
     /// The shape of a machine for programs of at most this number of cycles and
     /// of words per operand memory, with a full crossbar. Sizes that the
-    /// machine file declares come first; a buffer it leaves open has 16 words,
-    /// as in the thesis.
+    /// machine file declares come first; open ones are two write ports and a
+    /// buffer of 16 words with one output, as in the thesis.
     pub fn of(machine: &Machine, cycles: u32, words: u32) -> MachineShape {
         let kinds = machine.elements.iter().map(|element| ElementsOfKind {
             element: element.clone(),
@@ -63,13 +63,9 @@ impl MachineShape {
             kinds: kinds.collect(),
             style: machine.memory.style,
             words: machine.memory.words.unwrap_or(words),
-            write_ports: machine.memory.writes.unwrap_or(2).max(1),
-            buffer: machine.buffer.map(|buffer| {
-                (
-                    buffer.words.unwrap_or(16).max(1),
-                    buffer.reads.unwrap_or(1).max(1),
-                )
-            }),
+            write_ports: machine.memory.writes.unwrap_or(2),
+            buffer: (machine.buffer)
+                .map(|buffer| (buffer.words.unwrap_or(16), buffer.reads.unwrap_or(1))),
             instruction_words: cycles,
             interconnect: machine.interconnect,
             legs: None,
@@ -78,13 +74,14 @@ impl MachineShape {
 
     /// The shape of hardware that is built.
     pub fn built(hardware: &Hardware) -> MachineShape {
-        let kinds = hardware.elements.iter().filter_map(|group| {
+        let kinds = hardware.elements.iter().map(|group| {
             let mut known = hardware.machine.elements.iter();
-            let element = known.find(|element| element.kind == group.kind)?;
-            Some(ElementsOfKind {
+            let element = known.find(|element| element.kind == group.kind);
+            let element = element.expect("the machine has the kind of every group");
+            ElementsOfKind {
                 element: element.clone(),
                 count: group.count,
-            })
+            }
         });
         MachineShape {
             device: hardware.machine.device.device(),

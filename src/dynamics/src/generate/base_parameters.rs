@@ -132,7 +132,9 @@ impl BaseParameters {
     /// The columns of the regressor that are kept, from 0, ascending.
     pub fn columns(&self) -> Vec<usize> {
         let all = self.parameters.iter();
-        all.map(|base| base.terms[0].0).collect()
+        let columns: Vec<usize> = all.map(|base| base.terms[0].0).collect();
+        assert!(columns.is_sorted(), "columns ascend");
+        columns
     }
 
     /// Reduces columns, whose parameters have no values yet.

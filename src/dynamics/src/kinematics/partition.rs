@@ -55,6 +55,12 @@ impl Partition {
         let mut rows: Vec<usize> = pivots.iter().map(|pivot| pivot.row).collect();
         dependent.sort_unstable();
         rows.sort_unstable();
+        for places in [&dependent, &rows] {
+            assert!(
+                places.is_sorted_by(|one, next| one < next),
+                "a joint and a row have one pivot"
+            );
+        }
         let (mut independent, mut driven) = (Vec::new(), Vec::new());
         for (index, joint) in model.joints.iter().enumerate() {
             if joint.nature == Nature::Driven {

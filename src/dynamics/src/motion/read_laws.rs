@@ -55,7 +55,7 @@ impl Laws {
         read.section("joint", &file.joint, &joints, &mut laws.joints);
         read.section("link", &file.link, &links, &mut laws.links);
         read.section("external force", &file.force, &forces, &mut laws.forces);
-        read.ground(model, &file, &mut laws.forces);
+        read.ground(model, &forces, &file, &mut laws.forces);
         laws.events = read.events(&file.event, [&joints, &forces]);
         let driven = read.section("joint", &file.driven, &joints, &mut laws.drives);
         for (joint, span) in driven {
@@ -88,7 +88,8 @@ struct LawReader<'e> {
 type NameRange = std::ops::Range<usize>;
 
 impl LawReader<'_> {
-    /// Reads the entries of a section into the laws of named items: places too.
+    /// Reads the entries of a section into `laws`, `"*"` into those without an
+    /// own one; returns index and place in the text of every name.
     fn section<T: DeserializeOwned + Copy>(
         &mut self,
         what: &str,
@@ -154,13 +155,12 @@ impl LawReader<'_> {
 
     /// Reads the contacts and tyres of external forces. An entry with a name
     /// has priority over `"*"` of the other kind.
-    fn ground(&mut self, model: &Model, file: &LawsFile, laws: &mut [Support]) {
-        let forces: Vec<&str> = model.forces.iter().map(|f| f.name.as_str()).collect();
+    fn ground(&mut self, model: &Model, forces: &[&str], file: &LawsFile, laws: &mut [Support]) {
         let what = "external force";
         let mut contacts: Vec<Option<Contact>> = vec![None; forces.len()];
         let mut tyres: Vec<Option<Tyre>> = vec![None; forces.len()];
-        self.section(what, &file.contact, &forces, &mut contacts);
-        self.section(what, &file.tyre, &forces, &mut tyres);
+        self.section(what, &file.contact, forces, &mut contacts);
+        self.section(what, &file.tyre, forces, &mut tyres);
         self.directions("normal", "the normal of a plane", &file.contact);
         self.directions("normal", "the normal of a plane", &file.tyre);
         self.directions("axis", "the axis of a wheel", &file.tyre);
@@ -195,7 +195,7 @@ impl LawReader<'_> {
         for entry in entries {
             let direction = entry.law.get(key);
             if direction.is_some_and(|value| value.is_array() && is_zero(value)) {
-                let message = format!("{what} has a direction");
+                let message = format!("{what} is zero: it has no direction");
                 self.errors.push(wrong(entry.name.span(), &message, None));
             }
         }

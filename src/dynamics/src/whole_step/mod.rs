@@ -198,6 +198,7 @@ struct StepPlan<'m> {
 impl StepPlan<'_> {
     fn new<'m>(model: &'m Model, style: &StepStyle<'_>) -> Result<StepPlan<'m>, GenerateError> {
         let independent = independent_joints(model, style.options)?;
+        assert!(independent.is_sorted(), "joints ascend");
         Ok(StepPlan {
             model,
             generation: style.generation,

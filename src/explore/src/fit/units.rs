@@ -3,7 +3,8 @@
 //! A host's library rounds a sine once; a unit of shifts, tables or short
 //! polynomials (`trigonometry{on=host …}`) errs by more, which counts against
 //! the tolerances like every other error. Its resources are no part of the
-//! machine: of each method the cheapest sufficient one is chosen.
+//! machine: of each method the first sufficient one is chosen, those of few
+//! bits before others and the cheapest of equal bits first.
 
 use super::format::{FormatQuestion, MeasuredFormat, meets};
 use super::{FitError, FitProgram, SineTreatment};
@@ -15,35 +16,33 @@ use std::sync::Arc;
 /// Guard bits of a unit: bits after the point beyond its results' significand.
 const GUARDS: [u32; 3] = [1, 4, 8];
 
-/// Orders of polynomials, and of those that follow a table.
+/// Orders of polynomials.
 const ORDERS: [u32; 7] = [1, 3, 5, 7, 9, 11, 13];
+/// Degrees of the polynomials after a table.
 const DEGREES: [u32; 4] = [1, 2, 3, 5];
-
+/// Numbers of entries of a table.
 const ENTRIES: [u32; 4] = [16, 64, 256, 1024];
 
-/// The cheapest unit of every method with which a program in a format uses up a
+/// The first unit of every method with which a program in a format uses up a
 /// part of the tolerances at most, the fastest first, with the errors.
 pub(super) fn units(
     question: &FormatQuestion<'_>,
     format: Format,
     part: f64,
 ) -> Result<Vec<(FitProgram, MeasuredFormat)>, FitError> {
-    let bits = GUARDS.map(|guard| (format.significand() + guard).clamp(8, 50));
+    let mut bits = GUARDS
+        .map(|guard| (format.significand() + guard).clamp(8, 50))
+        .to_vec();
+    bits.dedup();
     let mut found = Vec::new();
     for method in methods() {
-        let mut tried = bits.iter().flat_map(|&bits| method(bits));
-        let mut with = || -> Result<Option<_>, FitError> {
-            for implementation in tried.by_ref() {
-                if let Some(made) = unit(question, implementation, (format, part))? {
-                    return Ok(Some((implementation, made)));
-                }
+        for implementation in bits.iter().flat_map(|&bits| method(bits)) {
+            if let Some(made) = unit(question, implementation, (format, part))? {
+                let unit = TrigonometricUnit::new(implementation);
+                let cost = unit.expect("a measured unit can be built").cost();
+                found.push(((cost.latency, cost.table_bits), made));
+                break;
             }
-            Ok(None)
-        };
-        if let Some((implementation, made)) = with()? {
-            let cost = TrigonometricUnit::new(implementation).map(|unit| unit.cost());
-            let cost = cost.map_or((u32::MAX, u64::MAX), |cost| (cost.latency, cost.table_bits));
-            found.push((cost, made));
         }
     }
     found.sort_by_key(|(cost, _)| *cost);

@@ -35,7 +35,7 @@ use robovec_present::plot;
 use robovec_present::text::{headed, labelled};
 use std::path::Path;
 
-/// The page.
+/// Name of the file of the page.
 const PAGE: &str = "explore.html";
 
 /// The files of a study: those of each folder, by name.

@@ -2,7 +2,7 @@
 //!
 //! The vendor's tools are not needed: yosys' `synth_intel_alm` maps Verilog
 //! to look-up tables, registers, memory blocks and multipliers
-//! ([`tool`], [`script`]), the netlist is counted module by module
+//! ([`tool`]), the netlist is counted module by module
 //! ([`count`]), and its longest path found with published delays
 //! ([`timing`]). Formulas for the same figures without any tool are in
 //! [`robovec_fpga::hardware`], to be compared with the

@@ -23,13 +23,13 @@ const LOCK: &str = ".robovec-lock";
 /// Number of trials of names that other runs take before they are locked.
 const TRIES: usize = 64;
 
-/// Folders whose leftovers this run has removed.
-static CLEANED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// Folders in which this run has removed leftovers, with the prefix of these.
+static CLEANED: Mutex<BTreeSet<(&str, PathBuf)>> = Mutex::new(BTreeSet::new());
 
-/// True the first time a folder is requested.
-fn is_first(folder: &Path) -> bool {
+/// True the first time a folder is requested for names with a prefix.
+fn is_first(prefix: &'static str, folder: &Path) -> bool {
     let mut cleaned = CLEANED.lock().unwrap_or_else(PoisonError::into_inner);
-    cleaned.insert(folder.to_owned())
+    cleaned.insert((prefix, folder.to_owned()))
 }
 
 /// A locked temporary file in a folder, with permissions by the user's mask.
@@ -46,7 +46,7 @@ pub(super) fn file_in(folder: &Path) -> io::Result<NamedTempFile> {
         if !lock(file.as_file()) || fs::symlink_metadata(file.path()).is_err() {
             continue;
         }
-        if is_first(folder) {
+        if is_first(PREFIX, folder) {
             remove_files(folder, &file.as_file().metadata()?);
         }
         return Ok(file);
@@ -54,20 +54,24 @@ pub(super) fn file_in(folder: &Path) -> io::Result<NamedTempFile> {
     Err(io::Error::other("no temporary file stays where it is made"))
 }
 
-/// False when another run has the lock; a system without locks is none.
+/// False when another run has the lock; true also where there are no locks.
 fn lock(file: &File) -> bool {
     !matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
-/// True when a file is not locked.
-fn is_left(path: &Path) -> bool {
-    File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+/// A file that no run had locked, locked as long as this value lives, so that no
+/// run takes it while it is removed.
+fn left(path: &Path) -> Option<File> {
+    let file = File::open(path).ok()?;
+    file.try_lock().is_ok().then_some(file)
 }
 
 /// Removes leftovers in a folder of the owner of `own`, where that is allowed.
 fn remove_files(folder: &Path, own: &Metadata) {
     for path in entries(folder, own, PREFIX, Metadata::is_file) {
-        if path.to_string_lossy().ends_with(SUFFIX) && is_left(&path) {
+        if path.to_string_lossy().ends_with(SUFFIX)
+            && let Some(_locked) = left(&path)
+        {
             let _ = fs::remove_file(path);
         }
     }
@@ -124,7 +128,7 @@ impl TemporaryFolder {
             if !lock(&file) || fs::symlink_metadata(&path).is_err() {
                 continue;
             }
-            if is_first(parent) {
+            if is_first(FOLDER_PREFIX, parent) {
                 remove_folders(parent, &file.metadata()?);
             }
             return Ok(TemporaryFolder {
@@ -147,7 +151,9 @@ impl TemporaryFolder {
 fn remove_folders(parent: &Path, own: &Metadata) {
     for path in entries(parent, own, FOLDER_PREFIX, Metadata::is_dir) {
         let lock = path.join(LOCK);
-        if fs::symlink_metadata(&lock).is_ok_and(|lock| lock.is_file()) && is_left(&lock) {
+        if fs::symlink_metadata(&lock).is_ok_and(|lock| lock.is_file())
+            && let Some(_locked) = left(&lock)
+        {
             let _ = fs::remove_dir_all(path);
         }
     }
@@ -190,10 +196,14 @@ mod tests {
         for name in ["robovec-left", "robovec-held"] {
             fs::write(at(name).join(LOCK), "").expect("written");
         }
+        drop(file_in(parent.path()).expect("made"));
         let held = File::open(at("robovec-held").join(LOCK)).expect("it is there");
         held.try_lock().expect("nobody else has it");
         let own = TemporaryFolder::new_in(parent.path()).expect("made");
-        assert!(!at("robovec-left").exists());
+        assert!(
+            !at("robovec-left").exists(),
+            "also after files were removed"
+        );
         assert!(at("robovec-held").exists());
         assert!(
             at("robovec-other").exists(),

@@ -2,8 +2,8 @@
 //!
 //! A file passes through [`super::xml`] (bytes to a tree, with guards against
 //! hostile files), [`fields`] (the fields of an element, and messages about
-//! others), [`bodies`] with [`joints`], [`points`] and [`tree`], [`ends`] (cuts
-//! and links) and [`user`] (user models); [`scope`] resolves the names.
+//! others), [`bodies`] with [`joints`] and [`points`], and [`ends`] (cuts,
+//! links and user models); [`scope`] resolves the names.
 //! Drawings are passed over. [`write_mbs`] gives the canonical text.
 //!
 //! **Invariants.** A model that is returned upholds

@@ -20,6 +20,15 @@ pub(super) fn draw(svg: &mut Svg, frame: PlotFrame, panel: &Panel, map: &TileMap
         range => 1.0 - (value / low).ln() / range,
     };
     let columns = map.columns.len();
+    assert_eq!(
+        map.values.len(),
+        columns * map.rows.len(),
+        "a value for each pair of numbers"
+    );
+    assert!(
+        map.columns.is_sorted() && map.rows.is_sorted(),
+        "numbers along an axis ascend"
+    );
     let size = [
         frame.width / columns as f64,
         frame.height / map.rows.len() as f64,

@@ -126,11 +126,10 @@ impl SyntaxBuilder {
         end: u32,
     ) -> Result<(), ParseFailure> {
         let whole = number.number();
-        // Exact below 2^32, and nothing else is the number of a sensor.
-        if whole.fract() != 0.0 || !(0.0..4e9).contains(&whole) {
+        if whole.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&whole) {
             return Err(refused(
                 SourceSpan { start, end },
-                "a case that is not a whole number",
+                "a case that is not the number of a sensor",
                 "the cases of a sensor file are the numbers of sensors",
             ));
         }
